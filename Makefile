@@ -1,0 +1,80 @@
+# Everything here sets itself up: it needs only CPython 3.11 or later, pip and make.
+#   make demo    the paper's beam, from nothing to an HTML report
+#   make test    all checks and all tests
+#   make help    the rest
+
+VENV := .venv
+BIN := $(VENV)/bin
+LOCK := requirements-lock.txt
+DEMO_OUT := runs/leitz2014
+PYELASTICA := pyelastica==1.0.0
+
+# The first interpreter that is new enough and can make a virtual environment. Give PYTHON=... to choose another.
+USABLE := import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))
+PYTHON ?= $(shell for p in python3.11 python3 python; do $$p -c '$(USABLE)' >/dev/null 2>&1 && echo $$p && break; done)
+
+# Wheels only: no compiler is needed, and a missing wheel is an error at once. The lock pins every version.
+INSTALL := $(BIN)/python -m pip --disable-pip-version-check --no-input install --quiet --only-binary :all:
+LOCKED := $(INSTALL) --constraint $(LOCK) --no-build-isolation
+
+unexport PYTHONPATH PYTHONHOME
+export MPLBACKEND := Agg
+
+.PHONY: help demo test lint bench lock clean
+
+help:
+	@echo "make demo    run the paper's beam and write an HTML report to $(DEMO_OUT)"
+	@echo "make test    ruff, mypy, import-linter, typos, then pytest"
+	@echo "make lint    the checks without the tests"
+	@echo "make bench   run every script in benchmarks/, PyElastica from an environment of its own"
+	@echo "make lock    renew $(LOCK) from the ranges in pyproject.toml"
+	@echo "make clean   remove the environments, caches and runs"
+
+demo: $(VENV)/.run
+	$(BIN)/cayley run leitz2014 --out $(DEMO_OUT)
+	@for report in $(DEMO_OUT)/*.html; do echo "Open the report: $(CURDIR)/$$report"; done
+
+test: lint
+	$(BIN)/python -m pytest -n 2
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/typos
+
+# Each script finds the interpreter that has PyElastica in the environment variable PYELASTICA_PYTHON.
+bench: $(VENV)/.dev .venv-bench/.done
+	@set -e; for script in benchmarks/[a-z]*.py; do \
+		echo "$$script"; PYELASTICA_PYTHON=$(CURDIR)/.venv-bench/bin/python $(BIN)/python $$script; done
+
+$(VENV)/.run: pyproject.toml $(LOCK)
+	@test -n "$(PYTHON)" || { echo "cayley needs CPython 3.11 or later with venv; found none (try PYTHON=/path/to/python3)" >&2; exit 1; }
+	@echo "Setting up $(VENV) with $(PYTHON), once; this takes about a minute"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(LOCKED) hatchling editables
+	@$(LOCKED) --editable .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.run
+	@echo "Adding the test and development tools to $(VENV)"
+	@$(LOCKED) --editable ".[test,dev]"
+	@touch $@
+
+.venv-bench/.done: Makefile
+	@echo "Setting up .venv-bench with $(PYELASTICA), once"
+	@$(PYTHON) -m venv --clear .venv-bench
+	@.venv-bench/bin/python -m pip --disable-pip-version-check --no-input install --quiet $(PYELASTICA)
+	@touch $@
+
+lock:
+	$(PYTHON) -m venv --clear .venv-lock
+	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]"
+	{ grep '^#' $(LOCK); .venv-lock/bin/python -m pip freeze --exclude-editable; } > $(LOCK).new
+	mv $(LOCK).new $(LOCK)
+	rm -rf .venv-lock
+
+clean:
+	rm -rf $(VENV) .venv-bench .venv-lock runs build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +

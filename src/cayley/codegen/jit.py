@@ -1,0 +1,115 @@
+"""Machine code from LLVM IR, kept on disk between runs."""
+
+import functools
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import llvmlite.binding as llvm
+
+HEADER = b"cayley object 1\n"
+
+
+def lanes() -> int:
+    """Number of doubles in a vector register of this machine."""
+    features = _host()[1]
+    if "+avx512f" in features.split(","):
+        return 8
+    return 4 if "+avx" in features.split(",") or "+avx2" in features.split(",") else 2
+
+
+def host_key() -> str:
+    """Text that changes with the processor and the compiler."""
+    return "|".join([llvmlite.__version__, str(llvm.llvm_version_info), llvm.get_default_triple(), *_host()])
+
+
+def load(name: str, ir_of: Any, key: str) -> tuple[int, bool]:
+    """Address of a function, compiled now or loaded from the cache.
+
+    Args:
+        name: name of the function in the module.
+        ir_of: called without arguments for the IR when there is no good cache entry.
+        key: what the code depends on besides this machine and its compiler.
+
+    Returns: (address, True if it came from the cache).
+    """
+    digest = hashlib.sha256("\n".join([name, key, host_key()]).encode()).hexdigest()
+    path = cache_directory() / f"{digest}.o"
+    code = _read(path)
+    cached = code is not None
+    if code is None:
+        code = _compile(ir_of())
+        _write(path, code)
+    engine = _engine()
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    _ENGINES.append(engine)  # the code lives as long as its engine
+    return engine.get_function_address(name), cached
+
+
+def cache_directory() -> Path:
+    """Folder of compiled kernels: $CAYLEY_CACHE_DIR, else a folder in the user's cache."""
+    base = os.environ.get("CAYLEY_CACHE_DIR")
+    if base is None:
+        base = str(Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "cayley")
+    return Path(base)
+
+
+_ENGINES: list[Any] = []
+
+
+@functools.cache
+def _host() -> tuple[str, str]:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def _machine() -> Any:
+    name, features = _host()
+    target = llvm.Target.from_default_triple()
+    return target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", codemodel="jitdefault", jit=True)
+
+
+def _engine() -> Any:
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+
+
+def _compile(ir: str) -> bytes:
+    machine = _machine()
+    module = llvm.parse_assembly(ir)
+    module.triple = llvm.get_default_triple()
+    module.verify()
+    options = llvm.create_pipeline_tuning_options(speed_level=2)
+    options.loop_unrolling = False
+    options.loop_vectorization = False
+    options.slp_vectorization = False
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    return machine.emit_object(module)
+
+
+def _read(path: Path) -> bytes | None:
+    """The machine code of a cache entry, or None if there is none or it is damaged."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    digest, code = content[len(HEADER) : len(HEADER) + 32], content[len(HEADER) + 32 :]
+    good = content.startswith(HEADER) and hashlib.sha256(code).digest() == digest
+    return code if good else None
+
+
+def _write(path: Path, code: bytes) -> None:
+    """Write a cache entry as a whole or not at all; a folder that can't be written costs only the time to compile."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(HEADER + hashlib.sha256(code).digest() + code)
+        os.replace(temporary, path)
+    except OSError:
+        return

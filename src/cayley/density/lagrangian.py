@@ -1,0 +1,84 @@
+"""The decorator that turns a Python function into a Lagrangian or Lagrangian density."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cayley.density.fields import Field, Interval, Rotation, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Lagrangian:
+    """A Lagrangian L(q, q̇, t), or a Lagrangian density L(q, q̇, q′, s, t) on an interval.
+
+    Args:
+        function: function (q, c) -> L; q gives the fields and their derivatives, c the constants.
+        fields: the fields by name, in order.
+        interval: name of the interval's coordinate, or None for a system without one.
+        name: name used in messages and listings.
+
+    Source: Leitz, Ober-Blöbaum, Leyendecker (2014), section 4.
+    """
+
+    function: Callable[[Any, Any], Any]
+    fields: Mapping[str, Field]
+    interval: str | None
+    name: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every name that q offers: fields, their derivatives, the coordinate and the time."""
+        suffixes = ("", "_t") if self.interval is None else ("", "_t", f"_{self.interval}")
+        places = ("t",) if self.interval is None else (self.interval, "t")
+        return tuple(field + suffix for field in self.fields for suffix in suffixes) + places
+
+    def __str__(self) -> str:
+        """Describe the fields in one line."""
+        kinds = [f"{k}: {'rotation' if isinstance(f, Rotation) else f'vector({f.size})'}" for k, f in self.fields.items()]
+        place = "" if self.interval is None else f" on the interval {self.interval}"
+        return f"Lagrangian {self.name} ({', '.join(kinds)}){place}"
+
+
+def lagrangian(**fields: Any) -> Callable[[Callable[[Any, Any], Any]], Lagrangian]:
+    """Declare the fields of a Lagrangian written as a function of q and c.
+
+    L = f(q, c), with q.x, q.x_t = ẋ, q.x_s = x′, q.p (a rotation), q.p_t = ω = 2 p̄ ṗ, q.p_s = Ω = 2 p̄ p′, q.s, q.t
+    and constants c.name. With an interval, L is a density per length [J/m]; without one, an energy [J].
+
+    Args:
+        fields: name=cy.Rotation(), name=cy.Vector(n), and at most one name=cy.Interval.
+
+    Returns: a decorator that makes a Lagrangian of the function.
+
+    Raises:
+        TypeError: if a field is of no known kind, or the function does not take (q, c).
+
+    Source: Leitz, Ober-Blöbaum, Leyendecker (2014), section 4.
+    """
+    interval = None
+    declared: dict[str, Field] = {}
+    for name, field in fields.items():
+        if field is Interval or isinstance(field, Interval):
+            if interval is not None:
+                raise TypeError(f"lagrangian: {interval} and {name} are both intervals; declare at most one")
+            interval = name
+        elif field is Rotation or isinstance(field, Rotation):
+            declared[name] = Rotation()
+        elif isinstance(field, Vector):
+            declared[name] = field
+        else:
+            raise TypeError(f"lagrangian: {name} is {field!r}; give cy.Rotation(), cy.Vector(n) or cy.Interval")
+    if not declared:
+        raise TypeError("lagrangian: no field declared; give at least one, such as x=cy.Vector(3)")
+
+    def decorate(function: Callable[[Any, Any], Any]) -> Lagrangian:
+        if not callable(function) or len(inspect.signature(function).parameters) != 2:
+            raise TypeError(f"lagrangian: {function!r} must be a function of (q, c)")
+        made = Lagrangian(function, declared, interval, getattr(function, "__name__", "L"))
+        twice = sorted(n for n in set(made.names) if made.names.count(n) > 1)
+        if twice:
+            raise TypeError(f"lagrangian {made.name}: the name {twice[0]} has two meanings; rename a field")
+        return made
+
+    return decorate

@@ -1,0 +1,1 @@
+"""Discrete mechanics: rules, kinematics, and the discrete Euler-Lagrange equations."""

@@ -1,0 +1,303 @@
+"""Run a model or any compiled Lagrangian through time."""
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cayley.discrete import rules
+from cayley.discrete.rules import Rule
+from cayley.model import Model
+from cayley.results.observe import Frames
+from cayley.results.trajectory import Trajectory
+from cayley.steppers.outcome import Outcome, Result
+from cayley.steppers.run import run
+from cayley.system.discretize import discretize, initial_values, spans
+from cayley.system.legendre import initial_state
+from cayley.system.system import State, System, gather
+
+SAFETY = 0.9
+"""Part of the step limit that is taken when no step is given."""
+
+
+class SimulationError(RuntimeError):
+    """A run that stopped: the message tells time, place and remedy; what was saved before is in ``partial``."""
+
+    def __init__(self, message: str, partial: Trajectory) -> None:
+        """Hold the message and the frames saved before."""
+        super().__init__(message)
+        self.partial = partial
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """Equal steps that meet the saves.
+
+    Args:
+        h: time step [s].
+        stride: steps between two saves.
+        saves: number of full strides.
+        rest: steps of a last, shorter stride.
+    """
+
+    h: float
+    stride: int
+    saves: int
+    rest: int
+
+
+def simulate(
+    model: Model,
+    t_end: float,
+    dt: float | None = None,
+    *,
+    rule: Rule = rules.verlet,
+    save_every: float | None = None,
+    initial: Mapping[Any, Mapping[str, Any]] | None = None,
+    rotation: str = "quaternion",
+    allow_unstable: bool = False,
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Run a model from its reference configuration, or from what ``initial`` says.
+
+    Args:
+        model: rods, supports and loads.
+        t_end: end of the run [s].
+        dt: upper bound of the time step [s], fitted to the saves; without it, 0.9 of the guaranteed step limit.
+        rule: quadrature rule.
+        save_every: time between saved frames [s]; a hundredth of the run without it.
+        initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
+            angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
+        rotation: "quaternion" or "matrix".
+        allow_unstable: run even with a step over the limit.
+        progress: called with (fraction done, time [s]) now and then.
+
+    Returns: the Trajectory.
+
+    Raises:
+        ValueError: if an argument does not fit or dt is over the step limit.
+        SimulationError: if a step is not solved or the motion blows up.
+
+    Source: Leitz, Ober-Blöbaum, Leyendecker (2014).
+    """
+    if not isinstance(model, Model):
+        raise TypeError(f"simulate: {model!r} is no Model; for a Lagrangian of your own use cy.compile and cy.integrate")
+    if not isinstance(rule, Rule):
+        raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
+    system = discretize(model, rule, rotation=rotation)
+    values, velocity, momenta = initial_values(model, system, initial or {})
+    state = initial_state(system, values, velocity)
+    given = np.isfinite(momenta) & system.free
+    state = replace(state, momenta=np.where(given, momenta, state.momenta))
+    parts = dict(zip(model.names, spans(model), strict=True))
+    return _run(
+        system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress, model=model, parts=parts
+    )
+
+
+def integrate(
+    system: System,
+    start: Mapping[str, Any] | State,
+    t_end: float,
+    dt: float | None = None,
+    *,
+    save_every: float | None = None,
+    t_start: float = 0.0,
+    allow_unstable: bool = False,
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Run a compiled Lagrangian from given fields and velocities.
+
+    Args:
+        system: made by ``cy.compile``.
+        start: field -> values at the nodes, field_t -> velocities (zero where absent); or a State to go on from.
+        t_end: end of the run [s].
+        dt: upper bound of the time step [s], fitted to the saves; without it, 0.9 of the guaranteed step limit.
+        save_every: time between saved frames [s]; a hundredth of the run without it.
+        t_start: time of the start [s].
+        allow_unstable: run even with a step over the limit.
+        progress: called with (fraction done, time [s]) now and then.
+
+    Returns: the Trajectory.
+
+    Raises:
+        ValueError: if the start or another argument does not fit, or dt is over the step limit.
+        SimulationError: if a step is not solved or the motion blows up.
+    """
+    if not isinstance(system, System):
+        raise TypeError(f"integrate: {system!r} is no compiled system; make one with cy.compile(lagrangian, rule=...)")
+    if isinstance(start, State):
+        state = start
+    else:
+        values, velocity = _start(system, start)
+        state = initial_state(system, values, velocity, time=t_start)
+    return _run(system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress)
+
+
+def schedule(span: float, dt: float, save_every: float) -> Schedule:
+    """Equal steps, at most dt, that meet the saves; where saves do not divide the span, its end instead.
+
+    Args:
+        span: length of the run [s].
+        dt: upper bound of the step [s].
+        save_every: time between saves [s].
+    """
+    saves = span / save_every
+    if abs(saves - round(saves)) < 1e-9 * saves:
+        stride = max(1, math.ceil(save_every / dt * (1.0 - 1e-12)))
+        return Schedule(span / (round(saves) * stride), stride, round(saves), 0)
+    steps = max(1, math.ceil(span / dt * (1.0 - 1e-12)))
+    h = span / steps
+    stride = max(1, round(save_every / h))
+    return Schedule(h, stride, steps // stride, steps % stride)
+
+
+def _run(
+    system: System,
+    state: State,
+    t_end: float,
+    dt: float | None,
+    save_every: float | None,
+    *,
+    allow_unstable: bool,
+    progress: Callable[[float, float], None] | None,
+    model: Model | None = None,
+    parts: Mapping[str, slice] | None = None,
+) -> Trajectory:
+    span = _positive("t_end", t_end, "s") - state.time
+    if span <= 0.0:
+        raise ValueError(f"t_end is {t_end:g} s, the start is at {state.time:g} s; t_end must be later")
+    save_every = span / 100.0 if save_every is None else min(_positive("save_every", save_every, "s"), span)
+    step = _step_size(system, state, dt, span, allow_unstable=allow_unstable)
+    plan = schedule(span, step, save_every)
+    state = state.at_step(plan.h)
+    begin, received = state, [_Block.of(system, state)]
+    rows = system.equations.rows
+
+    def receive(frames: np.ndarray, stride: int) -> None:
+        if len(frames):
+            numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(frames)))
+            values, momenta = (gather(frames, part, system.size) for part in (rows.values, rows.momenta))
+            received.append(_Block(numbers, values, momenta))
+
+    started = clock.perf_counter()
+    result = Result(Outcome.FINISHED, state, state.step)
+    for stride, saves in ((plan.stride, plan.saves), (plan.rest, 1)):
+        if stride and saves and result.outcome is Outcome.FINISHED:
+            result = run(
+                system,
+                result.state,
+                stride=stride,
+                saves=saves,
+                receive=lambda frames, stride=stride: receive(frames, stride),
+                progress=progress,
+            )
+    info = {"wall_time": clock.perf_counter() - started, "t_end": t_end, "save_every": save_every}
+    steps = np.concatenate([block.steps for block in received])
+    frames = Frames(
+        times=begin.origin + steps * plan.h,
+        steps=steps,
+        values=np.concatenate([block.values for block in received]),
+        momenta=np.concatenate([block.momenta for block in received]),
+        origin=begin.origin,
+        h=plan.h,
+    )
+    trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
+    if result.outcome is not Outcome.FINISHED:
+        raise SimulationError(_explain(system, result, trajectory), trajectory)
+    return trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Frames received from one call of the driver."""
+
+    steps: np.ndarray
+    values: np.ndarray
+    momenta: np.ndarray
+
+    @classmethod
+    def of(cls, system: System, state: State) -> "_Block":
+        return cls(np.array([state.step]), state.values[None], state.momenta[None])
+
+
+def _step_size(system: System, state: State, dt: float | None, span: float, *, allow_unstable: bool) -> float:
+    """The step asked for, or one from the limit."""
+    if dt is not None:
+        _positive("dt", dt, "s")
+        if allow_unstable:
+            return dt
+    limit = system.stable_dt(state)
+    if dt is None:
+        if not math.isfinite(limit):
+            raise ValueError(f"{_name(system)} has no step limit to choose dt from; give dt [s]")
+        return min(SAFETY * limit, span)
+    if dt > limit:
+        raise ValueError(
+            f"dt is {dt:.4g} s, over the step limit {limit:.4g} s of the rule {system.equations.rule} for this system; "
+            f"give a smaller dt, leave it out, or insist with allow_unstable=True"
+        )
+    return dt
+
+
+def _explain(system: System, result: Result, trajectory: Trajectory) -> str:
+    h = trajectory.frames.h
+    time = trajectory.frames.origin + result.step * h
+    node = ""
+    if result.node >= 0 and "length" in system.named:
+        place = result.node
+        for name, nodes in trajectory._parts.items():
+            if nodes.start <= result.node < nodes.stop:
+                node, place = f" of {name}", result.node - nodes.start
+        node = f" at node {place}{node}"
+    limit = system.stable_dt(result.state) if np.isfinite(result.state.values).all() else math.nan
+    remedy = f"give dt below {0.5 * h:.3g} s" if not limit < h else f"dt is over the step limit {limit:.3g} s there: give less"
+    return (
+        f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; {remedy}. "
+        f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
+    )
+
+
+def _start(system: System, start: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Values and velocities of all nodes from a mapping by field."""
+    layout = system.layout
+    values, velocity = system.reference.copy(), np.zeros((system.size, layout.dofs))
+    allowed = [name + suffix for name in layout.fields for suffix in ("", "_t")]
+    for key, given in start.items():
+        if key not in allowed:
+            raise ValueError(f"start names {key!r}; give {', '.join(allowed)}")
+        name = key.removesuffix("_t") if key not in layout.fields else key
+        turns = name in layout.rotations and key == name
+        width = 4 if turns else layout.dofs_of(name).stop - layout.dofs_of(name).start
+        try:
+            array = np.broadcast_to(np.asarray(given, dtype=float), (system.size, width))
+        except (TypeError, ValueError):
+            raise ValueError(f"start[{key!r}] has shape {np.shape(given)}; give ({system.size}, {width}) or ({width},)") from None
+        if not np.all(np.isfinite(array)):
+            raise ValueError(f"start[{key!r}] has an entry that is not finite")
+        if key != name:
+            velocity[:, layout.dofs_of(name)] = array
+        elif turns:
+            length = np.linalg.norm(array, axis=1, keepdims=True)
+            if np.any(np.abs(length - 1.0) > 1e-6):
+                raise ValueError(f"start[{key!r}]: quaternions must have length 1, one has {length.max():.6g}")
+            values[:, layout.rows_of(name)] = layout.representation.from_quaternion(array / length)
+        else:
+            values[:, layout.rows_of(name)] = array
+    missing = [n for n in layout.fields if n not in start and n not in layout.rotations and "length" not in system.named]
+    if missing:
+        raise ValueError(f"start does not give {missing[0]}; give its values, shape ({layout.fields[missing[0]].size},)")
+    return values, velocity
+
+
+def _positive(name: str, value: Any, unit: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer) or not math.isfinite(value) or value <= 0:
+        raise ValueError(f"{name} is {value!r}; give a positive number [{unit}]")
+    return float(value)
+
+
+def _name(system: System) -> str:
+    return f"Lagrangian {system.equations.density.lagrangian.name}"

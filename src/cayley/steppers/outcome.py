@@ -1,0 +1,31 @@
+"""How a stretch of steps ended."""
+
+import enum
+from dataclasses import dataclass
+
+from cayley.system.system import State
+
+
+class Outcome(enum.Enum):
+    """What a stepper reports; the values are the messages."""
+
+    FINISHED = "finished"
+    NOT_CONVERGED = "the equations of a step were not solved: Newton's method did not converge"
+    NOT_FINITE = "the state is no longer finite: the motion blew up"
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Outcome of a stretch of steps.
+
+    Args:
+        outcome: how it ended.
+        state: the last good saved state.
+        step: number of the step that failed, or the last one.
+        node: node that failed, or -1.
+    """
+
+    outcome: Outcome
+    state: State
+    step: int
+    node: int = -1

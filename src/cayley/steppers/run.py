@@ -1,0 +1,179 @@
+"""Run a system from frame to frame: pack, advance, unpack, and find the place of a failure."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cayley.steppers import decoupled
+from cayley.steppers.outcome import Outcome, Result
+from cayley.system.system import State, System, aligned, gather, pack
+
+TILE = 32
+"""Blocks of a tile: with its neighbors in the wavefront it stays in a second-level cache."""
+DEPTH = 8
+"""Steps a tile takes together once a system no longer fits the cache."""
+CHUNK = 20_000
+"""Most steps in one call of the driver; it bounds the tables of loads and the time between progress reports."""
+CACHED_BYTES = 500_000
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Everything the driver needs besides state and loads.
+
+    Args:
+        kernels: addresses of step, step_held and kick.
+        spans: tiles, (first block, last block, held), shape (tiles, 3).
+        depth: steps a tile takes together.
+        held: (block, row, lane) of momenta that stay zero, shape (m, 3).
+        entries: loads by node, sorted by tile, shape (k, 7).
+        scales: their factors, shape (k,).
+        places: first entry of each tile, shape (tiles + 1,).
+    """
+
+    kernels: np.ndarray
+    spans: np.ndarray
+    depth: int
+    held: np.ndarray
+    entries: np.ndarray
+    scales: np.ndarray
+    places: np.ndarray
+
+
+def run(
+    system: System,
+    state: State,
+    *,
+    stride: int,
+    saves: int,
+    receive: Callable[[np.ndarray], None],
+    progress: Callable[[float, float], None] | None = None,
+) -> Result:
+    """Advance a state through frames, each stride steps after the one before.
+
+    Args:
+        system: the system, of a rule whose nodes decouple.
+        state: where it starts; its h is the time step [s].
+        stride: steps between two frames.
+        saves: number of frames.
+        receive: called with frames, shape (m, blocks, rows kept, lanes), as they come.
+        progress: called with (fraction done, time [s]) between calls of the driver.
+
+    Returns: how it ended and the last good state.
+    """
+    plan = make_plan(system)
+    data = pack(system, state)
+    uniforms = system.uniforms.copy()
+    rows = system.equations.rows
+    kept = rows.momenta.stop
+    before = aligned(data.shape)
+    done = 0
+    while done < saves:
+        count = max(1, min(saves - done, CHUNK // stride))
+        frames = np.empty((count, data.shape[0] - 2, kept, data.shape[2]))
+        before[:] = data
+        outcome, reached = _advance(system, plan, data, uniforms, state, stride, frames)
+        receive(frames[:reached])
+        if reached:
+            values, momenta = (gather(frames[reached - 1], part, system.size) for part in (rows.values, rows.momenta))
+            state = replace(state, values=values, momenta=momenta, step=state.step + reached * stride)
+        if outcome is not Outcome.FINISHED:
+            if reached:
+                before[1:-1, :kept] = frames[reached - 1]
+            return _locate(system, plan, before, uniforms, state, stride, outcome)
+        done += count
+        if progress is not None:
+            progress(done / saves, state.time)
+    return Result(Outcome.FINISHED, state, state.step)
+
+
+def make_plan(system: System) -> Plan:
+    """Cut a system into tiles and sort held components and loads by them."""
+    rows, lanes, layout = system.equations.rows, system.kernels.lanes, system.layout
+    blocks = -(-system.size // lanes)
+    held_node, held_dof = np.nonzero(~system.free)
+    with_held = np.zeros(blocks + 2, dtype=bool)
+    with_held[1 + held_node // lanes] = True
+    large = blocks * rows.momenta.stop * lanes * 8 > CACHED_BYTES
+    cuts = {1, blocks + 1} | (set(range(1, blocks + 1, TILE)) if large else set())
+    cuts |= {int(b) for b in np.flatnonzero(np.diff(with_held.astype(int))) + 1 if 1 <= b <= blocks}
+    edges = sorted(cuts)
+    spans = np.array([(a, b, int(with_held[a])) for a, b in zip(edges[:-1], edges[1:], strict=True)], dtype=np.int64)
+    held = np.column_stack([1 + held_node // lanes, rows.momenta.start + held_dof, held_node % lanes]).astype(np.int64)
+    entries, scales = np.zeros((0, 7), dtype=np.int64), np.zeros(0)
+    if system.loads is not None:
+        loads = system.loads
+        block = 1 + loads.node // lanes
+        form = loads.form + 2 * (loads.form > 0) * (layout.representation.rows == 9)
+        tile = np.searchsorted(spans[:, 0], block, side="right") - 1
+        columns = [block, loads.node % lanes, rows.momenta.start + loads.dof, loads.turn, form, loads.column, tile]
+        order = np.argsort(tile, kind="stable")
+        entries = np.column_stack(columns).astype(np.int64)[order]
+        scales = np.ascontiguousarray(loads.scale[order])
+    places = np.searchsorted(entries[:, 6], np.arange(len(spans) + 1))
+    names = ("step", "step_held" if len(held) else "step", "kick")
+    kernels = np.array([system.kernels.address(name) for name in names], dtype=np.int64)
+    return Plan(kernels, spans, DEPTH if large else 1, held, entries, scales, places)
+
+
+def _advance(
+    system: System,
+    plan: Plan,
+    data: np.ndarray,
+    uniforms: np.ndarray,
+    state: State,
+    stride: int,
+    frames: np.ndarray,
+) -> tuple[Outcome, int]:
+    """One call of the driver."""
+    steps = len(frames) * stride
+    if system.loads is None:
+        table = np.zeros((1, 1))
+    else:
+        times = state.origin + (state.step + np.arange(steps + 1)) * state.h
+        table = np.ascontiguousarray(system.loads.table(times, state.h, state.origin))
+    clock = np.array([state.origin, state.h, float(state.step)])
+    code, reached = decoupled.advance(
+        plan.kernels,
+        data,
+        uniforms,
+        plan.spans,
+        plan.depth,
+        clock,
+        plan.held,
+        table,
+        plan.entries,
+        plan.scales,
+        plan.places,
+        stride,
+        frames,
+    )
+    return list(Outcome)[code], reached
+
+
+def _locate(
+    system: System, plan: Plan, data: np.ndarray, uniforms: np.ndarray, state: State, stride: int, outcome: Outcome
+) -> Result:
+    """Repeat the last interval step by step to find the step and the node that failed."""
+    frame = np.empty((1, data.shape[0] - 2, system.equations.rows.momenta.stop, data.shape[2]))
+    good = aligned(data.shape)
+    for k in range(stride):
+        good[:] = data
+        found, reached = _advance(system, plan, data, uniforms, replace(state, step=state.step + k), 1, frame)
+        if found is not Outcome.FINISHED:
+            return Result(outcome, state, state.step + k, _failed_node(system, plan, good, data, uniforms))
+    return Result(outcome, state, state.step + stride)
+
+
+def _failed_node(
+    system: System, plan: Plan, before: np.ndarray, after: np.ndarray, uniforms: np.ndarray
+) -> int:
+    """The first node that is not finite, else the one that moved most."""
+    rows, size = system.equations.rows, system.size
+    new, old = (gather(blocks[1:-1], rows.values, size) for blocks in (after, before))
+    momenta = gather(after[1:-1], rows.momenta, size)
+    broken = ~(np.isfinite(new).all(axis=1) & np.isfinite(momenta).all(axis=1))
+    if broken.any():
+        return int(np.argmax(broken))
+    return int(np.argmax(np.abs(new - old).max(axis=1)))

@@ -1,0 +1,181 @@
+"""From a Model to a compiled system: chains of nodes, constants, supports and loads as arrays."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from cayley.codegen.kernels import Kernels
+from cayley.density import library, trace
+from cayley.discrete.equations import derive
+from cayley.discrete.rules import Rule
+from cayley.model import Model, Rod
+from cayley.model.loads import Gravity, LineLoad, PointLoad
+from cayley.system.compile import chain_arrays, uniform_values
+from cayley.system.system import LoadEntries, System
+from cayley.system.tables import time_table
+
+
+def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> System:
+    """Compile the equations of a model.
+
+    All rods run in one sweep, a chain of nodes each; constants that differ between rods become arrays.
+
+    Args:
+        model: the model.
+        rule: quadrature rule.
+        rotation: "quaternion" or "matrix".
+
+    Returns: the System; its nodes are those of the rods, one rod after the other.
+    """
+    rods = model.rods
+    gravity = sum((np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3))
+    constants = [_rod_constants(rod, gravity) for rod in rods]
+    pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
+    density = trace(library.rod, pattern)
+    entries = {name: np.array([_entry(c, name) for c in constants]) for name in density.names}
+    inverse = np.array([1.0 / rod.element_length for rod in rods])
+    varying = [name for name, values in entries.items() if np.any(values != values[0])]
+    varying += ["inverse"] if np.any(inverse != inverse[0]) else []
+    equations = derive(density, rule, rotation=rotation, varying=varying)
+    counts = [rod.elements + 1 for rod in rods]
+    chains = [chain_arrays(np.asarray(rod.nodes)) for rod in rods]
+    named = {name: np.concatenate([chain[name] for chain in chains]) for name in chains[0]}
+    named |= {name: np.repeat(entries[name] if name != "inverse" else inverse, counts) for name in varying}
+    layout = equations.layout
+    reference = np.zeros((sum(counts), layout.rows))
+    for rod, nodes in zip(rods, spans(model), strict=True):
+        reference[nodes, layout.rows_of("x")] = rod.positions
+        reference[nodes, layout.rows_of("p")] = layout.representation.from_quaternion(np.asarray(rod.rotation))
+    first = {name: float(values[0]) for name, values in entries.items()} | {"inverse": float(inverse[0])}
+    return System(
+        equations=equations,
+        kernels=Kernels(equations),
+        uniforms=uniform_values(equations, first),
+        named=named,
+        free=_free(model, layout),
+        chains=tuple(counts),
+        loads=_loads(model, layout, named["weight"]),
+        reference=reference,
+    )
+
+
+def spans(model: Model) -> list[slice]:
+    """Nodes of each rod among all nodes."""
+    edges = np.cumsum([0, *[rod.elements + 1 for rod in model.rods]])
+    return [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+
+def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[str, Any]]) -> tuple[np.ndarray, ...]:
+    """Values, velocities and momenta at the start.
+
+    Args:
+        model: the model.
+        system: its system.
+        initial: rod or its name -> {"position", "rotation", "velocity", "angular_velocity", "momentum",
+            "angular_momentum"}; arrays that broadcast to (nodes, 3) (rotation: (nodes, 4)), or functions of s. Momenta
+            are per length [kg/s, kg m/s], the angular ones, like angular velocities, in the body frame.
+
+    Returns: values (nodes, rows), velocities (nodes, dofs), nodal momenta (nodes, dofs) with NaN where not given.
+
+    Raises:
+        ValueError: for an unknown rod or key, a wrong shape, or a quantity given twice.
+    """
+    layout = system.layout
+    values = system.reference.copy()
+    velocity = np.zeros((system.size, layout.dofs))
+    momenta = np.full((system.size, layout.dofs), np.nan)
+    by_name = dict(zip(model.names, zip(model.rods, spans(model), strict=True), strict=True))
+    for key, given in initial.items():
+        name = model.name_of(key) if isinstance(key, Rod) else key
+        if name not in by_name:
+            raise ValueError(f"initial: {key!r} is no rod of the model; its rods are {', '.join(by_name)}")
+        rod, nodes = by_name[name]
+        for quantity, value in given.items():
+            where = f"initial[{name!r}][{quantity!r}]"
+            array = _nodal(value, rod, 4 if quantity == "rotation" else 3, where)
+            if quantity == "position":
+                values[nodes, layout.rows_of("x")] = array
+            elif quantity == "rotation":
+                length = np.linalg.norm(array, axis=1, keepdims=True)
+                if np.any(np.abs(length - 1.0) > 1e-6):
+                    raise ValueError(f"{where}: quaternions must have length 1, one has {length.flat[np.argmax(np.abs(length - 1))]:.6g}")
+                values[nodes, layout.rows_of("p")] = layout.representation.from_quaternion(array / length)
+            elif quantity in ("velocity", "angular_velocity"):
+                velocity[nodes, layout.dofs_of("x" if quantity == "velocity" else "p")] = array
+            elif quantity in ("momentum", "angular_momentum"):
+                dofs = layout.dofs_of("x" if quantity == "momentum" else "p")
+                momenta[nodes, dofs] = array * system.named["weight"][nodes, None]
+            else:
+                allowed = "position, rotation, velocity, angular_velocity, momentum, angular_momentum"
+                raise ValueError(f"{where} is unknown; give {allowed}")
+        for both in (("velocity", "momentum"), ("angular_velocity", "angular_momentum")):
+            if all(k in given for k in both):
+                raise ValueError(f"initial[{name!r}] gives both {both[0]} and {both[1]}; give one")
+    return values, velocity, momenta
+
+
+def _nodal(value: Any, rod: Rod, width: int, where: str) -> np.ndarray:
+    given = np.array([value(float(s)) for s in rod.nodes]) if callable(value) else value
+    try:
+        array = np.broadcast_to(np.asarray(given, dtype=float), (rod.elements + 1, width))
+    except (TypeError, ValueError):
+        raise ValueError(f"{where} has shape {np.shape(given)}; give ({rod.elements + 1}, {width}) or ({width},)") from None
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{where} has an entry that is not finite")
+    return array
+
+
+def _rod_constants(rod: Rod, gravity: np.ndarray) -> dict[str, np.ndarray]:
+    section = rod.section
+    return {
+        "mass": np.asarray(section.mass_per_length, dtype=float),
+        "inertia": np.asarray(section.inertia, dtype=float),
+        "stiffness": np.asarray(section.stiffness, dtype=float),
+        "gravity": gravity,
+    }
+
+
+def _union(arrays: list[np.ndarray]) -> np.ndarray:
+    """Non-zero where any is; of equal arrays, the array itself."""
+    return arrays[0] if all(np.array_equal(a, arrays[0]) for a in arrays) else sum(np.abs(a) for a in arrays)
+
+
+def _entry(constants: Mapping[str, np.ndarray], label: str) -> float:
+    """The number behind a label such as 'stiffness[0,1]'."""
+    name, _, index = label.rstrip("]").partition("[")
+    return float(constants[name][tuple(int(i) for i in index.split(",") if i)])
+
+
+def _free(model: Model, layout: Any) -> np.ndarray:
+    total = sum(rod.elements + 1 for rod in model.rods)
+    free = np.ones((total, layout.dofs), dtype=bool)
+    starts = {id(rod): nodes.start for rod, nodes in zip(model.rods, spans(model), strict=True)}
+    for support in model.supports:
+        node = starts[id(support.port.part)] + support.port.node
+        free[node, layout.dofs_of("x")] &= ~np.array(support.held_position)
+        free[node, layout.dofs_of("p")] &= ~np.array(support.held_rotation)
+    return free
+
+
+def _loads(model: Model, layout: Any, weight: np.ndarray) -> LoadEntries | None:
+    timed = [load for load in model.loads if isinstance(load, PointLoad | LineLoad)]
+    if not timed:
+        return None
+    by_rod = {id(rod): nodes for rod, nodes in zip(model.rods, spans(model), strict=True)}
+    rows: list[tuple[int, int, int, int, int, float]] = []
+    for k, load in enumerate(timed):
+        moment = load.kind == "moment"
+        dof = layout.dofs_of("p" if moment else "x").start
+        form = {(True, "body"): 0, (True, "space"): 1, (False, "space"): 0, (False, "body"): 2}[(moment, load.frame)]
+        nodes = by_rod[id(load.part)]
+        turn = layout.rows_of("p").start
+        if isinstance(load, PointLoad):
+            rows.append((nodes.start + load.port.node, dof, turn, form, 3 * k, 1.0))
+        else:
+            rows += [(n, dof, turn, form, 3 * k, float(weight[n])) for n in range(nodes.start, nodes.stop)]
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    return LoadEntries(time_table(timed), 3 * len(timed), *columns)
+
+
+__all__ = ["discretize", "initial_values", "spans"]

@@ -1,0 +1,53 @@
+"""The Legendre transform of a system: momenta from velocities."""
+
+import casadi as ca
+import numpy as np
+
+from cayley.density.expression import symbols, to_sx, wrap
+from cayley.discrete.node import node_point
+from cayley.system.system import State, System
+
+
+def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, time: float = 0.0) -> State:
+    """A state from values and velocities by the Legendre transform, μ = weight × ∂T/∂q̇.
+
+    Args:
+        system: the system.
+        values: shape (nodes, rows).
+        velocity: ẋ in space, ω in the body frame, shape (nodes, dofs); held degrees of freedom do not move.
+        time: time of the state [s].
+
+    Returns: the state at its step 0.
+    """
+    momenta = momenta_of(system, values, np.where(system.free, velocity, 0.0), time)
+    return State(values=values, momenta=np.where(system.free, momenta, 0.0), origin=time)
+
+
+def momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
+    """Nodal momenta μ = weight × ∂T/∂q̇, left-trivialized, for values and velocities of every node.
+
+    Args:
+        system: the system.
+        values: shape (nodes, rows).
+        velocity: shape (nodes, dofs).
+        time: the time [s].
+
+    Returns: momenta, shape (nodes, dofs).
+
+    Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 2.
+    """
+    layout, density = system.layout, system.equations.density
+    node, v = symbols("q", layout.rows), symbols("v", layout.dofs)
+    here, t, weight = (wrap(ca.SX.sym(name)) for name in ("here", "t", "weight"))
+    point = node_point(layout, node, density.lagrangian.interval, {"here": here, "t": t})
+    point |= {f"{name}_t": v[layout.dofs_of(name)] for name in layout.fields}
+    gradient = density.gradient("inertia", point)
+    momentum = ca.vertcat(*[to_sx(gradient[f"{name}_t"] * weight) for name in layout.fields])
+    inputs = ca.vertcat(*[to_sx(e) for e in (node, v, here, t, weight)], density.parameters)
+    known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
+    n = system.size
+    columns = [system.named.get("here", np.zeros(n)), np.full(n, time), system.named["weight"]]
+    constants = [np.broadcast_to(system.named.get(k, known.get(k, 0.0)), n) for k in density.names]
+    rows = np.column_stack([values, velocity, *columns, *constants])
+    found = ca.Function("momenta", [inputs], [ca.densify(momentum)])(rows.T)
+    return np.array(found).T.reshape(n, layout.dofs)

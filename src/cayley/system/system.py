@@ -1,0 +1,171 @@
+"""A compiled system: discrete equations, machine code, and the arrays they work on."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cayley.codegen.kernels import Kernels
+from cayley.discrete.equations import DiscreteEquations
+from cayley.discrete.layout import Layout
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """Where a system is: enough to go on as if it had never stopped.
+
+    Args:
+        values: values of every node, shape (nodes, layout.rows).
+        momenta: momenta of every node, left-trivialized, shape (nodes, layout.dofs).
+        origin: time of step 0 [s].
+        step: number of steps taken since.
+        h: the time step [s], or 0 before the first.
+    """
+
+    values: np.ndarray
+    momenta: np.ndarray
+    origin: float = 0.0
+    step: int = 0
+    h: float = 0.0
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return self.origin + self.step * self.h
+
+    def at_step(self, h: float) -> "State":
+        """The same state as the origin of steps of another size."""
+        return self if h == self.h else replace(self, origin=self.time, step=0, h=h)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadEntries:
+    """Forces on nodes that are functions of time alone, in space or in a body frame.
+
+    Args:
+        table: function (times (m,), step, origin of time) -> values, shape (m, columns).
+        columns: number of columns.
+        node: node of each entry, shape (k,).
+        dof: first of the three degrees of freedom it acts on, shape (k,).
+        turn: first row of the rotation that turns it, shape (k,).
+        form: 0 as given, 1 from space to body, 2 from body to space, shape (k,).
+        column: first of its three columns, shape (k,).
+        scale: factor, shape (k,).
+    """
+
+    table: Any
+    columns: int
+    node: np.ndarray
+    dof: np.ndarray
+    turn: np.ndarray
+    form: np.ndarray
+    column: np.ndarray
+    scale: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class System:
+    """Discrete equations with numbers: what steppers step.
+
+    Args:
+        equations: the discrete equations.
+        kernels: their machine code.
+        uniforms: values of the uniform inputs, shape (len(equations.uniforms),).
+        named: values per node of weight, 1/weight, length, here and of what varies, shape (nodes,) each.
+        free: False where a degree of freedom is held, shape (nodes, dofs).
+        chains: number of nodes of each chain (one 0-D system is a chain of one node).
+        loads: time-dependent loads, or None.
+        reference: values of a regular configuration, shape (nodes, rows).
+    """
+
+    equations: DiscreteEquations
+    kernels: Kernels
+    uniforms: np.ndarray
+    named: Mapping[str, np.ndarray]
+    free: np.ndarray
+    chains: tuple[int, ...]
+    loads: LoadEntries | None = None
+    reference: np.ndarray
+
+    @property
+    def layout(self) -> Layout:
+        """Rows of a node."""
+        return self.equations.layout
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return sum(self.chains)
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Coordinates of the nodes along the interval [m], shape (nodes,)."""
+        return self.named["here"]
+
+    def stable_dt(self, state: State | None = None) -> float:
+        """Largest stable time step of an explicit rule [s], for the system linearized about a state.
+
+        h = 2/ω_max, with ω_max an upper bound of the highest frequency: guaranteed, and sharp to 2 %.
+
+        Args:
+            state: the state; without one a straight, unstrained reference.
+
+        Returns: the step [s]; infinite for a system without strain and load.
+        """
+        from cayley.system.stability import stable_dt
+
+        return stable_dt(self, self.reference if state is None else state.values)
+
+    def __str__(self) -> str:
+        """Describe rule, structure and size."""
+        e = self.equations
+        nodes = f"{self.size} node{'s' if self.size > 1 else ''}"
+        head = f"{e.density.lagrangian} under the rule {e.rule} ({self.layout.representation.name} form)"
+        return f"{head}\n  {nodes}, {self.size * self.layout.dofs} degrees of freedom, {self.kernels.lanes} lanes\n  {e.structure}"
+
+
+def pack(system: System, state: State) -> np.ndarray:
+    """Blocks of lanes for the kernels.
+
+    Returns: shape (blocks + 2, rows, lanes), aligned to 64 bytes; the first and last block are padding.
+    """
+    rows, lanes = system.equations.rows, system.kernels.lanes
+    blocks = -(-system.size // lanes)
+    data = aligned((blocks + 2, rows.count, lanes))
+    data[:] = 0.0
+    rest = np.concatenate([state.values[-1], np.zeros(system.layout.dofs)])
+    data[:, : len(rest)] = rest[None, :, None]  # padding lanes: a node at rest, without element
+    for name, row in rows.named.items():
+        data[:, row] = 0.0 if name == "length" else 1.0
+    data[:, rows.held] = 1.0
+    _scatter(data, rows.values, state.values)
+    _scatter(data, rows.momenta, state.momenta)
+    _scatter(data, rows.held, system.free.astype(float))
+    for name, row in rows.named.items():
+        _scatter(data, slice(row, row + 1), np.asarray(system.named[name])[:, None])
+    return data
+
+
+def gather(blocks: np.ndarray, rows: slice, size: int) -> np.ndarray:
+    """Rows of blocks by node: (..., blocks, rows, lanes) -> (..., size, len(rows)); no padding blocks."""
+    part = np.moveaxis(blocks[..., rows, :], -2, -1)
+    return np.ascontiguousarray(part.reshape(*part.shape[:-3], -1, part.shape[-1])[..., :size, :])
+
+
+def aligned(shape: tuple[int, ...]) -> np.ndarray:
+    """An uninitialized array of doubles that starts at a multiple of 64 bytes."""
+    count = int(np.prod(shape))
+    raw = np.empty(count + 8)
+    start = (-raw.ctypes.data // 8) % 8
+    return raw[start : start + count].reshape(shape)
+
+
+def _scatter(data: np.ndarray, rows: slice, values: np.ndarray) -> None:
+    """Write values of nodes, shape (nodes, len(rows)), into blocks."""
+    nodes, width = values.shape
+    lanes = data.shape[2]
+    full = nodes // lanes
+    data[1 : full + 1, rows] = np.moveaxis(values[: full * lanes].reshape(full, lanes, width), 1, 2)
+    if nodes % lanes:
+        data[full + 1, rows, : nodes % lanes] = values[full * lanes :].T
