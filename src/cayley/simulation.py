@@ -1,5 +1,6 @@
 """Run a model or any compiled Lagrangian through time."""
 
+import functools
 import math
 import time as clock
 from collections.abc import Callable, Mapping
@@ -14,7 +15,7 @@ from cayley.model import Model
 from cayley.results.observe import Frames
 from cayley.results.trajectory import Trajectory
 from cayley.steppers.outcome import Outcome, Result
-from cayley.steppers.run import run
+from cayley.steppers.run import prepare, run
 from cayley.system.discretize import discretize, initial_values, spans
 from cayley.system.legendre import initial_state
 from cayley.system.system import State, System, gather
@@ -84,7 +85,9 @@ def simulate(
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014).
     """
     if not isinstance(model, Model):
-        raise TypeError(f"simulate: {model!r} is no Model; for a Lagrangian of your own use cy.compile and cy.integrate")
+        raise TypeError(
+            f"simulate: {model!r} is no Model; for a Lagrangian of your own use cy.compile and cy.integrate"
+        )
     if not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
     system = discretize(model, rule, rotation=rotation)
@@ -177,24 +180,19 @@ def _run(
     begin, received = state, [_Block.of(system, state)]
     rows = system.equations.rows
 
-    def receive(frames: np.ndarray, stride: int) -> None:
+    def receive(stride: int, frames: np.ndarray) -> None:
         if len(frames):
             numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(frames)))
             values, momenta = (gather(frames, part, system.size) for part in (rows.values, rows.momenta))
             received.append(_Block(numbers, values, momenta))
 
+    prepare(system)
     started = clock.perf_counter()
     result = Result(Outcome.FINISHED, state, state.step)
     for stride, saves in ((plan.stride, plan.saves), (plan.rest, 1)):
         if stride and saves and result.outcome is Outcome.FINISHED:
-            result = run(
-                system,
-                result.state,
-                stride=stride,
-                saves=saves,
-                receive=lambda frames, stride=stride: receive(frames, stride),
-                progress=progress,
-            )
+            keep = functools.partial(receive, stride)
+            result = run(system, result.state, stride=stride, saves=saves, receive=keep, progress=progress)
     info = {"wall_time": clock.perf_counter() - started, "t_end": t_end, "save_every": save_every}
     steps = np.concatenate([block.steps for block in received])
     frames = Frames(
@@ -230,7 +228,7 @@ def _step_size(system: System, state: State, dt: float | None, span: float, *, a
         _positive("dt", dt, "s")
         if allow_unstable:
             return dt
-    limit = system.stable_dt(state)
+    limit = system.stable_dt(state, enough=math.inf if dt is None else dt)
     if dt is None:
         if not math.isfinite(limit):
             raise ValueError(f"{_name(system)} has no step limit to choose dt from; give dt [s]")
@@ -254,7 +252,11 @@ def _explain(system: System, result: Result, trajectory: Trajectory) -> str:
                 node, place = f" of {name}", result.node - nodes.start
         node = f" at node {place}{node}"
     limit = system.stable_dt(result.state) if np.isfinite(result.state.values).all() else math.nan
-    remedy = f"give dt below {0.5 * h:.3g} s" if not limit < h else f"dt is over the step limit {limit:.3g} s there: give less"
+    remedy = (
+        f"give dt below {0.5 * h:.3g} s"
+        if not limit < h
+        else f"dt is over the step limit {limit:.3g} s there: give less"
+    )
     return (
         f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; {remedy}. "
         f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
@@ -275,7 +277,9 @@ def _start(system: System, start: Mapping[str, Any]) -> tuple[np.ndarray, np.nda
         try:
             array = np.broadcast_to(np.asarray(given, dtype=float), (system.size, width))
         except (TypeError, ValueError):
-            raise ValueError(f"start[{key!r}] has shape {np.shape(given)}; give ({system.size}, {width}) or ({width},)") from None
+            raise ValueError(
+                f"start[{key!r}] has shape {np.shape(given)}; give ({system.size}, {width}) or ({width},)"
+            ) from None
         if not np.all(np.isfinite(array)):
             raise ValueError(f"start[{key!r}] has an entry that is not finite")
         if key != name:
@@ -287,14 +291,23 @@ def _start(system: System, start: Mapping[str, Any]) -> tuple[np.ndarray, np.nda
             values[:, layout.rows_of(name)] = layout.representation.from_quaternion(array / length)
         else:
             values[:, layout.rows_of(name)] = array
-    missing = [n for n in layout.fields if n not in start and n not in layout.rotations and "length" not in system.named]
+    missing = [
+        n for n in layout.fields if n not in start and n not in layout.rotations and "length" not in system.named
+    ]
     if missing:
-        raise ValueError(f"start does not give {missing[0]}; give its values, shape ({layout.fields[missing[0]].size},)")
+        raise ValueError(
+            f"start does not give {missing[0]}; give its values, shape ({layout.fields[missing[0]].size},)"
+        )
     return values, velocity
 
 
 def _positive(name: str, value: Any, unit: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer) or not math.isfinite(value) or value <= 0:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float | np.floating | np.integer)
+        or not math.isfinite(value)
+        or value <= 0
+    ):
         raise ValueError(f"{name} is {value!r}; give a positive number [{unit}]")
     return float(value)
 

@@ -1,0 +1,1 @@
+"""From programs to machine code: tape, LLVM IR with lanes, cache, listing."""

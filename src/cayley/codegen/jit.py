@@ -4,6 +4,7 @@ import functools
 import hashlib
 import os
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,17 +27,17 @@ def host_key() -> str:
     return "|".join([llvmlite.__version__, str(llvm.llvm_version_info), llvm.get_default_triple(), *_host()])
 
 
-def load(name: str, ir_of: Any, key: str) -> tuple[int, bool]:
-    """Address of a function, compiled now or loaded from the cache.
+def load(names: Sequence[str], ir_of: Callable[[], str], key: str) -> tuple[tuple[int, ...], bool]:
+    """Addresses of functions of one module, compiled now or loaded from the cache.
 
     Args:
-        name: name of the function in the module.
-        ir_of: called without arguments for the IR when there is no good cache entry.
+        names: the functions.
+        ir_of: called for the IR of the module when there is no good cache entry.
         key: what the code depends on besides this machine and its compiler.
 
-    Returns: (address, True if it came from the cache).
+    Returns: (addresses, True if they came from the cache).
     """
-    digest = hashlib.sha256("\n".join([name, key, host_key()]).encode()).hexdigest()
+    digest = hashlib.sha256("\n".join([*names, key, host_key()]).encode()).hexdigest()
     path = cache_directory() / f"{digest}.o"
     code = _read(path)
     cached = code is not None
@@ -47,7 +48,7 @@ def load(name: str, ir_of: Any, key: str) -> tuple[int, bool]:
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     _ENGINES.append(engine)  # the code lives as long as its engine
-    return engine.get_function_address(name), cached
+    return tuple(engine.get_function_address(name) for name in names), cached
 
 
 def cache_directory() -> Path:
@@ -71,7 +72,9 @@ def _host() -> tuple[str, str]:
 def _machine() -> Any:
     name, features = _host()
     target = llvm.Target.from_default_triple()
-    return target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic", codemodel="jitdefault", jit=True)
+    return target.create_target_machine(
+        cpu=name, features=features, opt=3, reloc="pic", codemodel="jitdefault", jit=True
+    )
 
 
 def _engine() -> Any:

@@ -1,15 +1,30 @@
 """Compiled kernels of discrete equations: addresses for the drivers, a listing for people."""
 
+import ctypes
 import functools
 import hashlib
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
-import cayley
 from cayley.codegen import jit
-from cayley.codegen.llvm import print_ir
 from cayley.codegen.listing import print_listing
+from cayley.codegen.llvm import print_ir
 from cayley.discrete.equations import DiscreteEquations
+
+
+class Kernel(NamedTuple):
+    """Addresses of the three functions of a compiled program (see print_ir), the width already asked for.
+
+    Args:
+        run: i64 run(ptr data, ptr uniforms, i64 first, i64 last).
+        setup: void setup(ptr uniforms).
+        width: length of the uniforms.
+    """
+
+    run: int
+    setup: int
+    width: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,15 +38,16 @@ class Kernels:
 
     equations: DiscreteEquations
     lanes: int = field(default_factory=jit.lanes)
-    _addresses: dict[str, int] = field(default_factory=dict, repr=False)
+    _found: dict[str, Kernel] = field(default_factory=dict, repr=False)
 
-    def address(self, name: str) -> int:
-        """Address of the kernel of that name: i64 kernel(ptr data, ptr uniforms, i64 first, i64 last)."""
-        if name not in self._addresses:
+    def __getitem__(self, name: str) -> Kernel:
+        """The kernel "step", "step_held", "kick" or "observe"."""
+        if name not in self._found:
             key = "\n".join([self.equations.signature, str(self.lanes), sources_digest()])
-            ir = functools.partial(self.ir, name)
-            self._addresses[name], _ = jit.load(name, ir, key)
-        return self._addresses[name]
+            names = (name, f"{name}_setup", f"{name}_width")
+            (run, setup, width), _ = jit.load(names, functools.partial(self.ir, name), key)
+            self._found[name] = Kernel(run, setup, ctypes.CFUNCTYPE(ctypes.c_int64)(width)())
+        return self._found[name]
 
     def ir(self, name: str) -> str:
         """LLVM IR of a kernel."""
@@ -45,7 +61,7 @@ class Kernels:
 @functools.cache
 def sources_digest() -> str:
     """Hash of the sources that decide what code comes out."""
-    root = Path(cayley.__file__).parent
+    root = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for folder in ("lie", "density", "discrete", "codegen"):
         for path in sorted((root / folder).glob("*.py")):

@@ -31,7 +31,9 @@ def print_listing(program: Program, lanes: int) -> str:
             lines += [f"{t.name()}[k] = {s.name()}[k - 1]" for t, s in pairs]
         else:
             names = [s.name() for s in step.unknown]
-            lines.append(f"iterate {', '.join(names)} from {', '.join(s.name() for s in step.start)} until error <= bound:")
+            lines.append(
+                f"iterate {', '.join(names)} from {', '.join(s.name() for s in step.start)} until error <= bound:"
+            )
             targets = [*(f"{n} (next)" for n in names), "error", "bound"]
             lines += ["    " + line for line in _formulas(targets, [*step.following, step.error, step.bound])]
     lines += _formulas([f"row {row}" for row, _ in program.stores], [v for _, v in program.stores])

@@ -14,7 +14,7 @@ ITERATIONS = 12
 
 
 class Value(str):
-    """Name of an SSA value; uniform ones are scalars computed once, before the loop."""
+    """Name of an SSA value; uniform ones are scalars that the setup computes."""
 
     uniform: bool
 
@@ -26,10 +26,13 @@ class Value(str):
 
 
 def print_ir(program: Program, lanes: int) -> str:
-    """LLVM IR of a program.
+    """LLVM IR of a program: three functions.
 
-    The kernel is i64 name(ptr blocks, ptr uniforms, i64 first, i64 last): it works on blocks first ... last − 1 of a
-    (blocks, rows, lanes) array and returns the number of blocks in which a lane did not converge.
+    - void name_setup(ptr uniforms): from the uniform inputs, everything that is equal for all nodes; it writes behind
+      the inputs. Call it when they have changed.
+    - i64 name_width(): how many doubles that needs in all.
+    - i64 name(ptr blocks, ptr uniforms, i64 first, i64 last): works on blocks first ... last − 1 of a
+      (blocks, rows, lanes) array and returns the number of blocks in which a lane did not converge.
 
     Args:
         program: what to compute.
@@ -46,11 +49,13 @@ class _Printer:
     def __init__(self, program: Program, lanes: int) -> None:
         self.program, self.lanes = program, lanes
         self.type = f"<{lanes} x double>"
-        self.before: list[str] = []
+        self.setup: list[str] = []  # uniform operations
+        self.before: list[str] = []  # what the kernel reads of them before its loop
         self.body: list[str] = []
         self.values: dict[str, Value] = {}
         self.declared: set[str] = set()
         self.broadcasts: dict[str, Value] = {}
+        self.width = len(program.uniforms)
         self.count = 0
         self.label = "blocks"  # the basic block now written
         self.failures = "%failed"
@@ -68,8 +73,16 @@ class _Printer:
                 self._newton(step)
         self._store()
         rows = self.program.rows * self.lanes
+        name = self.program.name
         head = [
-            f'define i64 @{self.program.name}(ptr noalias %data, ptr noalias %uniforms, i64 %first, i64 %last) "no-trapping-math"="true" {{',
+            f"define void @{name}_setup(ptr noalias %uniforms) {{",
+            *self.setup,
+            "  ret void",
+            "}",
+            f"define i64 @{name}_width() {{",
+            f"  ret i64 {self.width}",
+            "}",
+            f"define i64 @{name}(ptr noalias %data, ptr noalias %uniforms, i64 %first, i64 %last) {{",
             "entry:",
             *self.before,
             "  %some = icmp slt i64 %first, %last",
@@ -98,30 +111,36 @@ class _Printer:
     def _emit(self, text: str, *, uniform: bool = False) -> Value:
         """Write one instruction that has a value."""
         value = self._new(uniform=uniform)
-        (self.before if uniform else self.body).append(f"  {value} = {text}")
+        (self.setup if uniform else self.body).append(f"  {value} = {text}")
         return value
 
     def _vector(self, value: Value) -> Value:
-        """The value as a vector; uniform ones are spread once, before the loop."""
+        """The value as a vector; a uniform one is stored by the setup and spread before the loop."""
         if not value.uniform:
             return value
         if value not in self.broadcasts:
-            self.count += 1
-            one, wide = f"%i{self.count}", Value(f"%b{self.count}")
+            if value.startswith("0x"):
+                entries = ", ".join([f"double {value}"] * self.lanes)
+                self.broadcasts[value] = Value(f"<{entries}>")
+                return self.broadcasts[value]
+            place, self.width = self.width, self.width + 1
+            n = self.count = self.count + 1
+            self.setup += [f"  %s{n} = {_pointer('%uniforms', place)}", f"  store double {value}, ptr %s{n}"]
             zeros = f"<{self.lanes} x i32> zeroinitializer"
-            self.before.append(f"  {one} = insertelement {self.type} poison, double {value}, i32 0")
-            self.before.append(f"  {wide} = shufflevector {self.type} {one}, {self.type} poison, {zeros}")
-            self.broadcasts[value] = wide
+            self.before += [
+                f"  %p{n} = {_pointer('%uniforms', place)}",
+                f"  %u{n} = load double, ptr %p{n}",
+                f"  %i{n} = insertelement {self.type} poison, double %u{n}, i32 0",
+                f"  %b{n} = shufflevector {self.type} %i{n}, {self.type} poison, {zeros}",
+            ]
+            self.broadcasts[value] = Value(f"%b{n}")
         return self.broadcasts[value]
 
     def _symbol(self, name: str) -> Value:
         """The value of a symbol; inputs are read at their first use."""
         if name not in self.values:
             if name in self.uniform_rows:
-                place = f"getelementptr double, ptr %uniforms, i64 {self.uniform_rows[name]}"
-                pointer = f"%p{name_of(self.count)}"
-                self.count += 1
-                self.before.append(f"  {pointer} = {place}")
+                pointer = self._emit(_pointer("%uniforms", self.uniform_rows[name]), uniform=True)
                 self.values[name] = self._emit(f"load double, ptr {pointer}", uniform=True)
             else:
                 row, shift = self.lane_rows[name]
@@ -129,13 +148,13 @@ class _Printer:
         return self.values[name]
 
     def _load(self, row: int) -> Value:
-        pointer = self._emit(f"getelementptr double, ptr %base, i64 {row * self.lanes}")
+        pointer = self._emit(_pointer("%base", row * self.lanes))
         return self._emit(f"load {self.type}, ptr {pointer}, align {8 * self.lanes}")
 
     def _shifted(self, row: int) -> Value:
         """Values of the next node: lanes 1, 2, ... and the first of the next block."""
         own = next((v for n, v in self.values.items() if self.lane_rows.get(n) == (row, 0)), None) or self._load(row)
-        pointer = self._emit(f"getelementptr double, ptr %base, i64 {(self.program.rows + row) * self.lanes}")
+        pointer = self._emit(_pointer("%base", (self.program.rows + row) * self.lanes))
         following = self._emit(f"load double, ptr {pointer}, align {8 * self.lanes}")
         spread = self._emit(f"insertelement {self.type} poison, double {following}, i32 0")
         order = ", ".join(f"i32 {i}" for i in range(1, self.lanes + 1))
@@ -146,7 +165,7 @@ class _Printer:
         for target, source, row in zip(step.targets, step.sources, step.rows, strict=True):
             own = self._vector(self._symbol(source.name()))
             behind = (row - self.program.rows) * self.lanes + self.lanes - 1
-            pointer = self._emit(f"getelementptr double, ptr %base, i64 {behind}")
+            pointer = self._emit(_pointer("%base", behind))
             last = self._emit(f"load double, ptr {pointer}")
             spread = self._emit(f"insertelement {self.type} poison, double {last}, i32 0")
             mask = f"<{self.lanes} x i32> <{order}>"
@@ -154,7 +173,7 @@ class _Printer:
             self._write(row, own)
 
     def _write(self, row: int, value: Value) -> None:
-        pointer = self._emit(f"getelementptr double, ptr %base, i64 {row * self.lanes}")
+        pointer = self._emit(_pointer("%base", row * self.lanes))
         self.body.append(f"  store {self.type} {self._vector(value)}, ptr {pointer}, align {8 * self.lanes}")
 
     def _assign(self, targets: Sequence[str], values: Sequence[ca.SX]) -> None:
@@ -213,7 +232,7 @@ class _Printer:
         return [s.name() for s in ca.symvar(ca.vertcat(*values))]
 
     def _evaluate(self, values: Sequence[ca.SX]) -> list[Value]:
-        """Write the operations of expressions; those of uniform operands go before the loop."""
+        """Write the operations of expressions; those of uniform operands go to the setup."""
         tape = record(values)
         found: dict[int, Value] = {}
         for operation in tape.operations:
@@ -232,9 +251,9 @@ class _Printer:
             operands = [self._vector(v) for v in operands]
         kind = "double" if uniform else self.type
         a, b = operands[0], operands[-1]
-        one, two, zero = (Value(_hexadecimal(c), uniform=True) for c in (1.0, 2.0, 0.0))
+        one, zero = (Value(_hexadecimal(c), uniform=True) for c in (1.0, 0.0))
         if code == ca.OP_DIV and divisor.uniform and not uniform:
-            inverse = self._operation(ca.OP_DIV, [one, divisor])  # one division, before the loop
+            inverse = self._operation(ca.OP_DIV, [one, divisor])  # one division, in the setup
             return self._operation(ca.OP_MUL, [a, inverse])
         if code in ARITHMETIC:
             return self._emit(f"{ARITHMETIC[code]} {FAST} {kind} {a}, {b}", uniform=uniform)
@@ -298,9 +317,8 @@ class _Printer:
         return result
 
 
-def name_of(number: int) -> str:
-    """A suffix for pointer names."""
-    return f"tr{number}"
+def _pointer(base: str, place: int) -> str:
+    return f"getelementptr double, ptr {base}, i64 {place}"
 
 
 def _hexadecimal(value: float) -> str:

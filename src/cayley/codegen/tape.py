@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
+
 class Operation(NamedTuple):
     """One instruction: result number = code(operand numbers); constants and inputs carry theirs."""
 

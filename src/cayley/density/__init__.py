@@ -5,4 +5,16 @@ from cayley.density.fields import Interval, Rotation, Vector
 from cayley.density.lagrangian import Lagrangian, lagrangian
 from cayley.density.trace import Density, trace
 
-__all__ = ["Density", "Interval", "Lagrangian", "Rotation", "Vector", "cross", "dot", "lagrangian", "norm", "trace", "where"]
+__all__ = [
+    "Density",
+    "Interval",
+    "Lagrangian",
+    "Rotation",
+    "Vector",
+    "cross",
+    "dot",
+    "lagrangian",
+    "norm",
+    "trace",
+    "where",
+]

@@ -1,6 +1,7 @@
 """Symbolic arrays: NumPy arrays whose entries are CasADi scalars, so that a density is written in plain NumPy."""
 
-from collections.abc import Callable, Sequence
+import functools
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -26,7 +27,7 @@ class Expression(np.ndarray):
         except (TypeError, AttributeError) as error:
             raise TypeError(f"numpy.{ufunc.__name__} does not work on symbols ({error})") from error
 
-    def __array_function__(self, func: Callable, types: Sequence[type], args: Any, kwargs: Any) -> Any:
+    def __array_function__(self, func: Callable, types: Any, args: Any, kwargs: Any) -> Any:
         """Apply a NumPy function, with replacements for those that would need numbers."""
         function = _FUNCTIONS.get(func, func)
         return wrap(function(*(_plain(value) for value in args), **{k: _plain(v) for k, v in kwargs.items()}))
@@ -184,10 +185,14 @@ _UFUNCS: dict[np.ufunc, Callable] = {
 }
 
 # An array that NumPy built from Expressions (np.array([q.x[0], 1.0])) calls these on its entries.
-for _name in "sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp log log10".split():
-    setattr(Expression, _name, lambda self, ufunc=getattr(np, _name): ufunc(self))
-for _name in "sqrt expm1 log1p floor ceil arctan2 fabs hypot".split():
-    setattr(Expression, _name, lambda self, *other, ufunc=getattr(np, _name): ufunc(self, *other))
+_ENTRYWISE = (
+    *(np.sin, np.cos, np.tan, np.arcsin, np.arccos, np.arctan, np.sinh, np.cosh, np.tanh, np.arcsinh, np.arccosh),
+    *(np.arctanh, np.exp, np.log, np.log10, np.sqrt, np.expm1, np.log1p, np.floor, np.ceil, np.arctan2, np.hypot),
+)
+for _ufunc in _ENTRYWISE:
+    setattr(
+        Expression, _ufunc.__name__, functools.partialmethod(lambda self, ufunc, *other: ufunc(self, *other), _ufunc)
+    )
 
 _FUNCTIONS: dict[Callable, Callable] = {
     np.where: _select,

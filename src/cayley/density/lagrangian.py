@@ -35,7 +35,9 @@ class Lagrangian:
 
     def __str__(self) -> str:
         """Describe the fields in one line."""
-        kinds = [f"{k}: {'rotation' if isinstance(f, Rotation) else f'vector({f.size})'}" for k, f in self.fields.items()]
+        kinds = [
+            f"{k}: {'rotation' if isinstance(f, Rotation) else f'vector({f.size})'}" for k, f in self.fields.items()
+        ]
         place = "" if self.interval is None else f" on the interval {self.interval}"
         return f"Lagrangian {self.name} ({', '.join(kinds)}){place}"
 

@@ -84,6 +84,12 @@ class Density:
         return ca.Function(self.lagrangian.name, [inputs], parts).serialize() + ",".join(self.names)
 
     @property
+    def timed(self) -> bool:
+        """Whether L depends on the time."""
+        total = ca.vertcat(*[term for part in PARTS for _, term in self.terms[part]])
+        return bool(ca.depends_on(total, to_sx(self.places["t"])))
+
+    @property
     def velocities(self) -> tuple[str, ...]:
         """The velocity slot of every field."""
         return tuple(f"{name}_t" for name in self.lagrangian.fields)
@@ -165,7 +171,7 @@ def trace(lagrangian: Lagrangian, constants: Mapping[str, Any]) -> Density:
 class RotationSymbol:
     """A rotation in the body of a Lagrangian: rotate, inverse_rotate, matrix, and ``@``.
 
-    It stands for Λ(p) varied to first order, Λ(p (1 + ε/2)) s = Λ(p)(s + ε × s), so gradients come out left-trivialized.
+    It stands for Λ(p) varied to first order, Λ(p (1 + ε/2)) s = Λ(p)(s + ε × s), so gradients are left-trivialized.
     """
 
     __array_ufunc__ = None  # let RotationSymbol's own operators answer before NumPy's
@@ -260,7 +266,7 @@ def _constants(constants: Mapping[str, Any], where: str) -> tuple[list[tuple[str
             else:
                 label = name + ("[" + ",".join(map(str, index)) + "]" if index else "")
                 entries[index] = ca.SX.sym(label)
-                parameters.append((label, entries[index], float(number[index])))
+                parameters.append((label, ca.SX(entries[index]), float(number[index])))
         arrays[name] = wrap(entries)
     return parameters, arrays
 

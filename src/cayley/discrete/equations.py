@@ -98,7 +98,9 @@ class DiscreteEquations:
         return f"{rule}\n{self.density.signature}"
 
 
-def derive(density: Density, rule: Rule, *, rotation: str = "quaternion", varying: Iterable[str] = ()) -> DiscreteEquations:
+def derive(
+    density: Density, rule: Rule, *, rotation: str = "quaternion", varying: Iterable[str] = ()
+) -> DiscreteEquations:
     """Derive the discrete Euler-Lagrange equations of a density under a rule.
 
     Args:
@@ -144,7 +146,9 @@ def _assign_rows(layout: Layout, varying: list[str], *, interval: bool) -> Rows:
     values, momenta = take(layout.rows), take(layout.dofs)
     carried = take(layout.dofs if interval else 0)
     held = take(layout.dofs)
-    named = {name: take(1).start for name in ["weight", "1/weight", *(["length", "here"] if interval else []), *varying]}
+    named = {
+        name: take(1).start for name in ["weight", "1/weight", *(["length", "here"] if interval else []), *varying]
+    }
     observed = {"velocity": take(layout.dofs), "load": take(layout.dofs), "energies": take(3)}
     if interval:
         observed |= {"left": take(layout.dofs), "right": take(layout.dofs), "slopes": take(layout.dofs)}
@@ -206,7 +210,9 @@ class _Writer:
             left, right = element_forces(self.density, self.rule.strain, self.layout, (self.node, self.next), place)
             scale = place["h"] * wrap(self.symbol["length"])
             from_left, from_right, carried = (symbols(n, self.layout.dofs) for n in ("left", "right", "carried"))
-            moving = [i for i in range(self.layout.dofs) if not (to_sx(left[i]).is_zero() and to_sx(right[i]).is_zero())]
+            moving = [
+                i for i in range(self.layout.dofs) if not (to_sx(left[i]).is_zero() and to_sx(right[i]).is_zero())
+            ]
             targets = _entries(from_left) + _entries(from_right)
             values = _entries(_where_element(scale, left * scale)) + _entries(_where_element(scale, right * scale))
             steps.append(Assign(tuple(targets), tuple(values)))
@@ -284,7 +290,7 @@ def wrap_column(value: ca.SX) -> Expression:
     return wrap(np.atleast_1d(from_sx(ca.densify(value))))
 
 
-def _entries(value: Expression) -> list[ca.SX]:
+def _entries(value: Any) -> list[ca.SX]:
     return ca.vertsplit(to_sx(value))
 
 

@@ -1,6 +1,7 @@
 """Solve the equations of one node: find what is linear, in which order, and iterate only on the rest."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -30,7 +31,7 @@ def find_structure(residual: ca.SX, unknown: ca.SX) -> tuple[Block, ...]:
     """Put equations into block-triangular order by the sparsity of their Jacobian.
 
     Raises:
-        ValueError: if the Jacobian is structurally singular; the message holds the index of an unknown without equation.
+        ValueError: if the Jacobian is structurally singular.
     """
     jacobian = ca.jacobian(residual, unknown)
     pattern = jacobian.sparsity()
@@ -83,11 +84,8 @@ class Inverse:
     def __init__(self, matrix: ca.SX) -> None:
         """Factorize."""
         self._size = matrix.shape[0]
-        self._matrix = matrix
-        if self._size <= 3:
-            self._factors = _adjugate(ca.densify(matrix))
-        else:
-            self._factors = _eliminate(ca.densify(matrix))
+        dense = ca.densify(matrix)
+        self._factors: tuple[ca.SX, Any] = _adjugate(dense) if self._size <= 3 else _eliminate(dense)
 
     def __call__(self, b: ca.SX) -> ca.SX:
         """Return matrix⁻¹ b."""

@@ -1,0 +1,1 @@
+"""Results: observations, labeled trajectories, the store."""

@@ -1,4 +1,4 @@
-"""The fields of one rod as a labelled Dataset."""
+"""The fields of one rod as a labeled Dataset."""
 
 from typing import Any
 
@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from cayley.lie import quaternion
-from cayley.results.observe import resultants
 
 _META = {
     "position": ("position", "m"),
@@ -38,10 +37,9 @@ def rod_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 2 and section 6.1.
     """
-    system = run.system
-    layout, observed = system.layout, run.observed
+    layout, observed = run.outline.layout, run.observed
     position, turn = run._values("x")[:, nodes], run._rotation("p")[:, nodes]
-    spatial = resultants(system, observed)[:, nodes]
+    spatial = observed.resultants[:, nodes]
     sigma, big_sigma = spatial[..., layout.dofs_of("x")], spatial[..., layout.dofs_of("p")]
     elements = slice(nodes.start, nodes.stop - 1)
     slopes = observed.slopes[:, elements]
@@ -57,7 +55,10 @@ def rod_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
         "Sigma": (node, big_sigma),
         "sigma_impulse": (node, sigma * run.dt),
         "Sigma_impulse": (node, big_sigma * run.dt),
-        "strain": (element, _inverse_rotate(_middle(turn), slopes[..., layout.dofs_of("x")]) - np.array([0.0, 0.0, 1.0])),
+        "strain": (
+            element,
+            _inverse_rotate(_middle(turn), slopes[..., layout.dofs_of("x")]) - np.array([0.0, 0.0, 1.0]),
+        ),
         "curvature": (element, slopes[..., layout.dofs_of("p")]),
     }
     variables = {
@@ -66,7 +67,7 @@ def rod_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
     }
     coordinates = {
         "time": ("time", run.time, {"units": "s"}),
-        "s": ("node", system.nodes[nodes], {"units": "m", "long_name": "arc length in the reference"}),
+        "s": ("node", run.outline.nodes[nodes], {"units": "m", "long_name": "arc length in the reference"}),
         "axis": ["x", "y", "z"],
         "wxyz": list("wxyz"),
     }

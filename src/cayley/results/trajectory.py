@@ -1,17 +1,23 @@
-"""The result of a run: labelled fields of every part, energies and momenta."""
+"""The result of a run: labeled fields of every part, energies and momenta."""
 
 import functools
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
+from cayley.discrete.rules import RULES
 from cayley.lie import quaternion
-from cayley.results.observe import Frames, Observations, observe
-from cayley.results.series import Series
+from cayley.model import Model, Rod
+from cayley.results.frames import Frames
+from cayley.results.observe import Observations, observe
+from cayley.results.outline import Outline
+from cayley.system.discretize import discretize
 from cayley.system.system import State, System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 AXES = ["x", "y", "z"]
 
@@ -20,27 +26,64 @@ class Trajectory:
     """What a run left: saved states, and everything that follows from them.
 
     ``run[rod]`` is a Dataset of a rod, ``run.data`` one of all fields by their names; energies and momenta are
-    DataArrays over time. Quantities are evaluated from the saved states when first asked for.
+    DataArrays over time. Quantities are evaluated from the saved states when first asked for; those of a run opened
+    from a store are read from it.
     """
 
     def __init__(
         self,
         *,
-        system: System,
         frames: Frames,
         info: Mapping[str, Any],
-        model: Any = None,
+        system: System | None = None,
+        outline: Outline | None = None,
+        observed: Observations | None = None,
+        model: Model | None = None,
         parts: Mapping[str, slice] | None = None,
     ) -> None:
-        """Hold the frames of a run of a system; parts are the nodes of each rod by name."""
-        self.system, self.frames, self.model = system, frames, model
+        """Hold the frames of a run.
+
+        Args:
+            frames: the saved states.
+            info: facts of the run; "wall_time" [s] among them.
+            system: the system that ran; or else
+            outline: its outline, with
+            observed: what was observed of it.
+            model: the model it came from, if any.
+            parts: nodes of each rod by name.
+        """
+        if system is None and (outline is None or observed is None):
+            raise TypeError("Trajectory: give the system, or outline and observed")
+        self.frames, self.model = frames, model
         self.info = dict(info)
         self._parts = dict(parts or {})
+        for name, given in (("system", system), ("outline", outline), ("observed", observed)):
+            if given is not None:
+                self.__dict__[name] = given  # where the cached property of that name would put it
+
+    @functools.cached_property
+    def system(self) -> System:
+        """The system that ran; that of an opened run of a model is compiled when first asked for.
+
+        Raises:
+            ValueError: for an opened run of a Lagrangian of your own, whose function is not in the store.
+        """
+        if self.model is None:
+            raise ValueError(
+                "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile it "
+                "again, and go on with cy.integrate(system, run.state, t_end=...)"
+            )
+        return discretize(self.model, RULES[self.rule], rotation=self.outline.layout.representation.name)
+
+    @functools.cached_property
+    def outline(self) -> Outline:
+        """Fields, rows and nodes."""
+        return Outline.of(self.system)
 
     @property
     def rule(self) -> str:
         """Name of the rule."""
-        return self.system.equations.rule.name
+        return self.outline.rule
 
     @property
     def dt(self) -> float:
@@ -67,7 +110,7 @@ class Trajectory:
         """The last state, to go on from."""
         return self.frames.state()
 
-    def __getitem__(self, part: Any) -> xr.Dataset:
+    def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod, given itself or by name."""
         name = part if isinstance(part, str) else self._name_of(part)
         if name not in self._parts:
@@ -86,42 +129,43 @@ class Trajectory:
         return observe(self.system, self.frames)
 
     @property
-    def kinetic_energy(self) -> xr.DataArray:
+    def kinetic_energy(self) -> "xr.DataArray":
         """Kinetic energy, q̇·∂T/∂q̇ − T [J], dims (time,)."""
         return self._series(self.observed.kinetic, "kinetic energy", "J")
 
     @property
-    def potential_energy(self) -> xr.DataArray:
+    def potential_energy(self) -> "xr.DataArray":
         """Strain energy and energy of the load terms [J], dims (time,)."""
         return self._series(self.observed.strain + self.observed.load, "potential energy", "J")
 
     @property
-    def energy(self) -> xr.DataArray:
+    def energy(self) -> "xr.DataArray":
         """Total energy [J], dims (time,)."""
         total = self.observed.kinetic + self.observed.strain + self.observed.load
         return self._series(total, "energy", "J")
 
     @property
-    def linear_momentum(self) -> xr.DataArray:
+    def linear_momentum(self) -> "xr.DataArray":
         """Linear momentum, Σ μ_x [kg m/s], dims (time, axis)."""
         total = sum((self._momenta(name).sum(axis=1) for name in self._vectors()), start=np.zeros((len(self.time), 3)))
         return self._series(total, "linear momentum", "kg m/s")
 
     @property
-    def angular_momentum(self) -> xr.DataArray:
+    def angular_momentum(self) -> "xr.DataArray":
         """Angular momentum about the origin, Σ x × μ_x + Λ(p) μ_p [kg m²/s], dims (time, axis)."""
         total = np.zeros((len(self.time), 3))
         for name in self._vectors():
             total += np.cross(self._values(name), self._momenta(name)).sum(axis=1)
-        for name in self.system.layout.rotations:
+        for name in self.outline.layout.rotations:
             total += np.asarray(quaternion.rotate(self._rotation(name), self._momenta(name)), dtype=float).sum(axis=1)
         return self._series(total, "angular momentum", "kg m^2/s")
 
     @functools.cached_property
-    def data(self) -> xr.Dataset:
+    def data(self) -> "xr.Dataset":
         """Values, velocities (NAME_t) and momenta (NAME_momentum) of all fields."""
-        layout = self.system.layout
-        interval = self.system.equations.density.lagrangian.interval
+        import xarray as xr
+
+        layout, interval = self.outline.layout, self.outline.interval
         place = () if interval is None else ("node",)
         fields: dict[str, Any] = {}
         for name in layout.fields:
@@ -136,56 +180,85 @@ class Trajectory:
             fields[f"{name}_momentum"] = (("time", *place, own), self._squeeze(self._momenta(name)))
         coordinates: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
         if interval is not None:
-            coordinates[interval] = ("node", self.system.nodes, {"units": "m"})
+            coordinates[interval] = ("node", self.outline.nodes, {"units": "m"})
         data = xr.Dataset(fields, coordinates)
         return data.assign_coords({d: c for d, c in (("axis", AXES), ("wxyz", list("wxyz"))) if d in data.dims})
 
-    def save(self, path: str | Path) -> None:
-        """Write the run to a Zarr store, to be opened with Trajectory.open."""
+    def save(self, path: str | Path, *, overwrite: bool = False) -> None:
+        """Write the run to a Zarr store, a directory, to be opened with Trajectory.open.
+
+        Args:
+            path: the store.
+            overwrite: replace a run that is there.
+
+        Raises:
+            FileExistsError: if something is there; with overwrite, something that is no run.
+        """
         from cayley.results.store import save
 
-        save(self, path)
+        save(self, path, overwrite=overwrite)
 
     @classmethod
-    def open(cls, path: str | Path) -> "Any":
-        """Read a run from a Zarr store."""
+    def open(cls, path: str | Path, *, model: Model | None = None) -> "Trajectory":
+        """Read a run from a Zarr store; all numbers are those of the run, bit for bit.
+
+        Args:
+            path: the store.
+            model: the model that ran, if it is at hand: checked against the store and taken for the one in it. So its
+                rods find their results, and loads that are functions of time, which a store can't hold, can go on.
+
+        Raises:
+            FileNotFoundError: if there is nothing.
+            ValueError: if it is no run, of a newer format or damaged, or the model is not the one that ran.
+        """
         from cayley.results.store import open_run
 
-        return open_run(path)
+        return open_run(path, model=model)
 
     def _name_of(self, part: Any) -> str:
         if self.model is None:
             raise KeyError("this run has no model; use run.data, or the name of a part")
-        return self.model.name_of(part)
+        if not isinstance(part, Rod):
+            raise KeyError(f"{part!r} is no rod; give a rod of the model, or its name: {', '.join(self._parts)}")
+        if any(part is rod for rod in self.model.rods):
+            return self.model.name_of(part)
+        from cayley.results.record import same_rods  # an opened run has rods of its own
 
-    def _rod(self, name: str) -> xr.Dataset:
+        same = same_rods(part, self.model)
+        if len(same) != 1:
+            raise KeyError(f"{part!r} is not in the model; its parts are {', '.join(self._parts)}")
+        return same[0]
+
+    def _rod(self, name: str) -> "xr.Dataset":
         from cayley.results.rod import rod_dataset
 
         return rod_dataset(self, self._parts[name], name)
 
-    def _series(self, values: np.ndarray, long_name: str, units: str) -> xr.DataArray:
+    def _series(self, values: np.ndarray, long_name: str, units: str) -> "xr.DataArray":
         coordinates: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
-        dims = ("time",)
+        dims: tuple[str, ...] = ("time",)
         if values.ndim == 2:
             dims, coordinates["axis"] = ("time", "axis"), AXES
+        from cayley.results.series import Series  # xarray is slow to import: only when results are looked at
+
         attributes = {"long_name": long_name, "units": units}
         return Series(values, coordinates, dims, name=long_name.replace(" ", "_"), attrs=attributes)
 
     def _vectors(self) -> list[str]:
-        layout = self.system.layout
+        layout = self.outline.layout
         return [n for n, kind in layout.fields.items() if n not in layout.rotations and kind.size == 3]
 
     def _values(self, name: str) -> np.ndarray:
-        return self.frames.values[..., self.system.layout.rows_of(name)]
+        return self.frames.values[..., self.outline.layout.rows_of(name)]
 
     def _momenta(self, name: str) -> np.ndarray:
-        return self.frames.momenta[..., self.system.layout.dofs_of(name)]
+        return self.frames.momenta[..., self.outline.layout.dofs_of(name)]
 
     def _rotation(self, name: str) -> np.ndarray:
-        return self.system.layout.representation.to_quaternion(self._values(name))
+        return self.outline.layout.representation.to_quaternion(self._values(name))
 
     def _squeeze(self, values: np.ndarray) -> np.ndarray:
-        return values if "length" in self.system.named else values[:, 0]
+        return values[:, 0] if self.outline.interval is None else values
 
 
 __all__ = ["AXES", "Trajectory"]

@@ -1,0 +1,1 @@
+"""Steppers: one file a scheme, driven by compiled kernels."""

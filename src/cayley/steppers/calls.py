@@ -23,3 +23,17 @@ def call_kernel(typingctx: Any, address: Any, data: Any, uniforms: Any, first: A
         return builder.call(kernel, [*places, arguments[3], arguments[4]])
 
     return signature, generate
+
+
+@intrinsic
+def call_setup(typingctx: Any, address: Any, uniforms: Any) -> Any:
+    """Void setup(ptr uniforms), given as 64-bit integers."""
+    signature = types.void(types.int64, types.int64)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [pointer])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [builder.inttoptr(arguments[1], pointer)])
+        return context.get_dummy_value()
+
+    return signature, generate

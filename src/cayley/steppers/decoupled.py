@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
-from cayley.steppers.calls import call_kernel
+from cayley.steppers.calls import call_kernel, call_setup
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 
@@ -25,6 +25,7 @@ def advance(
     kernels: np.ndarray,
     data: np.ndarray,
     uniforms: np.ndarray,
+    timed: bool,
     spans: np.ndarray,
     depth: int,
     clock: np.ndarray,
@@ -39,9 +40,10 @@ def advance(
     """Advance from one saved frame through len(frames) others.
 
     Args:
-        kernels: addresses of step, step_held, kick.
+        kernels: addresses of run and setup of step, step_held and kick, shape (3, 2).
         data: blocks, shape (blocks + 2, rows, lanes), the first and last of them padding; changed in place.
-        uniforms: uniform inputs; h, t and t_next are set here.
+        uniforms: uniform inputs of each kernel and room behind them, shape (3, width); h, t and t_next are set here.
+        timed: whether the density depends on time, so that uniform values change at every step.
         spans: (first block, last block, any component held) of each tile, in order, shape (tiles, 3).
         depth: how many steps a tile takes before its neighbors follow (a wavefront that keeps tiles in the cache).
         clock: origin of time [s], step [s], number of the first step.
@@ -55,12 +57,14 @@ def advance(
 
     Returns: (outcome, number of the save in which it happened).
     """
-    where, constants = data.ctypes.data, uniforms.ctypes.data
+    where = data.ctypes.data
     origin, h, begin = clock[0], clock[1], int(clock[2])
+    for kind in range(2):
+        _set(kernels, uniforms, kind, h, origin + begin * h, origin + (begin + 1) * h)
     tiles, kept = len(spans), frames.shape[2]
     for save in range(len(frames)):
         first = save * stride
-        _kick(kernels[2], data, uniforms, spans, -0.5 * h, origin + (begin + first) * h)
+        _kick(kernels, data, uniforms, spans, -0.5 * h, origin + (begin + first) * h)
         for e in range(len(entries)):
             _push(data, entries, scales, table[first], e, -0.5 * h)
         done = 0
@@ -73,15 +77,15 @@ def advance(
                     j = first + done + k
                     for e in range(places[tile], places[tile + 1]):
                         _push(data, entries, scales, table[j], e, h)
-                    uniforms[_H] = h
-                    uniforms[_T] = origin + (begin + j) * h
-                    uniforms[_T_NEXT] = origin + (begin + j + 1) * h
-                    kernel = kernels[1] if spans[tile, 2] else kernels[0]
-                    failed += call_kernel(kernel, where, constants, spans[tile, 0], spans[tile, 1])
+                    kind = spans[tile, 2]
+                    if timed:
+                        _set(kernels, uniforms, kind, h, origin + (begin + j) * h, origin + (begin + j + 1) * h)
+                    constants = uniforms[kind].ctypes.data
+                    failed += call_kernel(kernels[kind, 0], where, constants, spans[tile, 0], spans[tile, 1])
             done += together
             if failed:
                 return NOT_CONVERGED, save
-        _kick(kernels[2], data, uniforms, spans, 0.5 * h, origin + (begin + first + stride) * h)
+        _kick(kernels, data, uniforms, spans, 0.5 * h, origin + (begin + first + stride) * h)
         for e in range(len(entries)):
             _push(data, entries, scales, table[first + stride], e, 0.5 * h)
         for k in range(len(held)):
@@ -92,10 +96,17 @@ def advance(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _kick(kernel: int, data: np.ndarray, uniforms: np.ndarray, spans: np.ndarray, h: float, t: float) -> None:
+def _set(kernels: np.ndarray, uniforms: np.ndarray, kind: int, h: float, t: float, t_next: float) -> None:
+    """Give a kernel its step and times."""
+    uniforms[kind, _H], uniforms[kind, _T], uniforms[kind, _T_NEXT] = h, t, t_next
+    call_setup(kernels[kind, 1], uniforms[kind].ctypes.data)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _kick(kernels: np.ndarray, data: np.ndarray, uniforms: np.ndarray, spans: np.ndarray, h: float, t: float) -> None:
     """Add h × (forces of the density) to all momenta."""
-    uniforms[_H], uniforms[_T], uniforms[_T_NEXT] = h, t, t
-    call_kernel(kernel, data.ctypes.data, uniforms.ctypes.data, spans[0, 0], spans[-1, 1])
+    _set(kernels, uniforms, 2, h, t, t)
+    call_kernel(kernels[2, 0], data.ctypes.data, uniforms[2].ctypes.data, spans[0, 0], spans[-1, 1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -1,5 +1,6 @@
 """Run a system from frame to frame: pack, advance, unpack, and find the place of a failure."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -23,7 +24,9 @@ class Plan:
     """Everything the driver needs besides state and loads.
 
     Args:
-        kernels: addresses of step, step_held and kick.
+        kernels: addresses of run and setup of step, step_held and kick, shape (3, 2).
+        uniforms: their uniform inputs and room behind them, shape (3, width).
+        timed: whether the density depends on time.
         spans: tiles, (first block, last block, held), shape (tiles, 3).
         depth: steps a tile takes together.
         held: (block, row, lane) of momenta that stay zero, shape (m, 3).
@@ -33,6 +36,8 @@ class Plan:
     """
 
     kernels: np.ndarray
+    uniforms: np.ndarray
+    timed: bool
     spans: np.ndarray
     depth: int
     held: np.ndarray
@@ -64,7 +69,6 @@ def run(
     """
     plan = make_plan(system)
     data = pack(system, state)
-    uniforms = system.uniforms.copy()
     rows = system.equations.rows
     kept = rows.momenta.stop
     before = aligned(data.shape)
@@ -73,7 +77,7 @@ def run(
         count = max(1, min(saves - done, CHUNK // stride))
         frames = np.empty((count, data.shape[0] - 2, kept, data.shape[2]))
         before[:] = data
-        outcome, reached = _advance(system, plan, data, uniforms, state, stride, frames)
+        outcome, reached = _advance(system, plan, data, state, stride, frames)
         receive(frames[:reached])
         if reached:
             values, momenta = (gather(frames[reached - 1], part, system.size) for part in (rows.values, rows.momenta))
@@ -81,11 +85,20 @@ def run(
         if outcome is not Outcome.FINISHED:
             if reached:
                 before[1:-1, :kept] = frames[reached - 1]
-            return _locate(system, plan, before, uniforms, state, stride, outcome)
+            return _locate(system, plan, before, state, stride, outcome)
         done += count
         if progress is not None:
             progress(done / saves, state.time)
     return Result(Outcome.FINISHED, state, state.step)
+
+
+def prepare(system: System) -> None:
+    """Compile or load everything a run of the system calls, so that running is all that takes time then."""
+    state = State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs)), h=1.0)
+    rows = system.equations.rows.momenta.stop
+    data = pack(system, state)
+    frames = np.empty((0, data.shape[0] - 2, rows, data.shape[2]))
+    _advance(system, make_plan(system), data, state, 1, frames)
 
 
 def make_plan(system: System) -> Plan:
@@ -99,7 +112,7 @@ def make_plan(system: System) -> Plan:
     cuts = {1, blocks + 1} | (set(range(1, blocks + 1, TILE)) if large else set())
     cuts |= {int(b) for b in np.flatnonzero(np.diff(with_held.astype(int))) + 1 if 1 <= b <= blocks}
     edges = sorted(cuts)
-    spans = np.array([(a, b, int(with_held[a])) for a, b in zip(edges[:-1], edges[1:], strict=True)], dtype=np.int64)
+    spans = np.array([(a, b, int(with_held[a])) for a, b in itertools.pairwise(edges)], dtype=np.int64)
     held = np.column_stack([1 + held_node // lanes, rows.momenta.start + held_dof, held_node % lanes]).astype(np.int64)
     entries, scales = np.zeros((0, 7), dtype=np.int64), np.zeros(0)
     if system.loads is not None:
@@ -113,15 +126,18 @@ def make_plan(system: System) -> Plan:
         scales = np.ascontiguousarray(loads.scale[order])
     places = np.searchsorted(entries[:, 6], np.arange(len(spans) + 1))
     names = ("step", "step_held" if len(held) else "step", "kick")
-    kernels = np.array([system.kernels.address(name) for name in names], dtype=np.int64)
-    return Plan(kernels, spans, DEPTH if large else 1, held, entries, scales, places)
+    found = [system.kernels[name] for name in names]
+    uniforms = np.zeros((3, max(kernel.width for kernel in found)))
+    uniforms[:, : len(system.uniforms)] = system.uniforms
+    kernels = np.array([(kernel.run, kernel.setup) for kernel in found], dtype=np.int64)
+    timed = system.equations.density.timed
+    return Plan(kernels, uniforms, timed, spans, DEPTH if large else 1, held, entries, scales, places)
 
 
 def _advance(
     system: System,
     plan: Plan,
     data: np.ndarray,
-    uniforms: np.ndarray,
     state: State,
     stride: int,
     frames: np.ndarray,
@@ -137,7 +153,8 @@ def _advance(
     code, reached = decoupled.advance(
         plan.kernels,
         data,
-        uniforms,
+        plan.uniforms,
+        plan.timed,
         plan.spans,
         plan.depth,
         clock,
@@ -152,23 +169,19 @@ def _advance(
     return list(Outcome)[code], reached
 
 
-def _locate(
-    system: System, plan: Plan, data: np.ndarray, uniforms: np.ndarray, state: State, stride: int, outcome: Outcome
-) -> Result:
+def _locate(system: System, plan: Plan, data: np.ndarray, state: State, stride: int, outcome: Outcome) -> Result:
     """Repeat the last interval step by step to find the step and the node that failed."""
     frame = np.empty((1, data.shape[0] - 2, system.equations.rows.momenta.stop, data.shape[2]))
     good = aligned(data.shape)
     for k in range(stride):
         good[:] = data
-        found, reached = _advance(system, plan, data, uniforms, replace(state, step=state.step + k), 1, frame)
+        found, _ = _advance(system, plan, data, replace(state, step=state.step + k), 1, frame)
         if found is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + k, _failed_node(system, plan, good, data, uniforms))
+            return Result(outcome, state, state.step + k, _failed_node(system, good, data))
     return Result(outcome, state, state.step + stride)
 
 
-def _failed_node(
-    system: System, plan: Plan, before: np.ndarray, after: np.ndarray, uniforms: np.ndarray
-) -> int:
+def _failed_node(system: System, before: np.ndarray, after: np.ndarray) -> int:
     """The first node that is not finite, else the one that moved most."""
     rows, size = system.equations.rows, system.size
     new, old = (gather(blocks[1:-1], rows.values, size) for blocks in (after, before))

@@ -1,0 +1,1 @@
+"""Compiled systems: layout in blocks of lanes, discretization of models, step limits."""

@@ -1,5 +1,6 @@
 """From a Model to a compiled system: chains of nodes, constants, supports and loads as arrays."""
 
+import itertools
 from collections.abc import Mapping
 from typing import Any
 
@@ -29,7 +30,9 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     Returns: the System; its nodes are those of the rods, one rod after the other.
     """
     rods = model.rods
-    gravity = sum((np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3))
+    gravity = sum(
+        (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
+    )
     constants = [_rod_constants(rod, gravity) for rod in rods]
     pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
     density = trace(library.rod, pattern)
@@ -63,7 +66,7 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
 def spans(model: Model) -> list[slice]:
     """Nodes of each rod among all nodes."""
     edges = np.cumsum([0, *[rod.elements + 1 for rod in model.rods]])
-    return [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
 
 def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[str, Any]]) -> tuple[np.ndarray, ...]:
@@ -98,8 +101,9 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
                 values[nodes, layout.rows_of("x")] = array
             elif quantity == "rotation":
                 length = np.linalg.norm(array, axis=1, keepdims=True)
-                if np.any(np.abs(length - 1.0) > 1e-6):
-                    raise ValueError(f"{where}: quaternions must have length 1, one has {length.flat[np.argmax(np.abs(length - 1))]:.6g}")
+                worst = float(length.flat[np.argmax(np.abs(length - 1.0))])
+                if abs(worst - 1.0) > 1e-6:
+                    raise ValueError(f"{where}: quaternions must have length 1, one has {worst:.6g}")
                 values[nodes, layout.rows_of("p")] = layout.representation.from_quaternion(array / length)
             elif quantity in ("velocity", "angular_velocity"):
                 velocity[nodes, layout.dofs_of("x" if quantity == "velocity" else "p")] = array
@@ -120,7 +124,9 @@ def _nodal(value: Any, rod: Rod, width: int, where: str) -> np.ndarray:
     try:
         array = np.broadcast_to(np.asarray(given, dtype=float), (rod.elements + 1, width))
     except (TypeError, ValueError):
-        raise ValueError(f"{where} has shape {np.shape(given)}; give ({rod.elements + 1}, {width}) or ({width},)") from None
+        raise ValueError(
+            f"{where} has shape {np.shape(given)}; give ({rod.elements + 1}, {width}) or ({width},)"
+        ) from None
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{where} has an entry that is not finite")
     return array

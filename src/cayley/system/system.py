@@ -103,26 +103,28 @@ class System:
         """Coordinates of the nodes along the interval [m], shape (nodes,)."""
         return self.named["here"]
 
-    def stable_dt(self, state: State | None = None) -> float:
+    def stable_dt(self, state: State | None = None, *, enough: float = np.inf) -> float:
         """Largest stable time step of an explicit rule [s], for the system linearized about a state.
 
         h = 2/ω_max, with ω_max an upper bound of the highest frequency: guaranteed, and sharp to 2 %.
 
         Args:
             state: the state; without one a straight, unstrained reference.
+            enough: a step [s] that would do: a limit found to be above it need not be sharp.
 
         Returns: the step [s]; infinite for a system without strain and load.
         """
         from cayley.system.stability import stable_dt
 
-        return stable_dt(self, self.reference if state is None else state.values)
+        return stable_dt(self, self.reference if state is None else state.values, enough=enough)
 
     def __str__(self) -> str:
         """Describe rule, structure and size."""
         e = self.equations
         nodes = f"{self.size} node{'s' if self.size > 1 else ''}"
         head = f"{e.density.lagrangian} under the rule {e.rule} ({self.layout.representation.name} form)"
-        return f"{head}\n  {nodes}, {self.size * self.layout.dofs} degrees of freedom, {self.kernels.lanes} lanes\n  {e.structure}"
+        size = f"{nodes}, {self.size * self.layout.dofs} degrees of freedom, {self.kernels.lanes} lanes"
+        return f"{head}\n  {size}\n  {e.structure}"
 
 
 def pack(system: System, state: State) -> np.ndarray:

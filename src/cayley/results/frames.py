@@ -1,0 +1,38 @@
+"""Saved states of a run."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cayley.system.system import State
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frames:
+    """Saved states of a run.
+
+    Args:
+        times: [s], shape (m,).
+        steps: step number of each frame, shape (m,).
+        values: shape (m, nodes, rows).
+        momenta: shape (m, nodes, dofs).
+        origin: time of step 0 [s].
+        h: time step [s].
+    """
+
+    times: np.ndarray
+    steps: np.ndarray
+    values: np.ndarray
+    momenta: np.ndarray
+    origin: float
+    h: float
+
+    def state(self, k: int = -1) -> State:
+        """The state of a frame, to go on from."""
+        return State(
+            values=self.values[k].copy(),
+            momenta=self.momenta[k].copy(),
+            origin=self.origin,
+            step=int(self.steps[k]),
+            h=self.h,
+        )

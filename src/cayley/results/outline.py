@@ -1,0 +1,33 @@
+"""What results need to know of a system besides its states: fields, rows, nodes and the name of the rule."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cayley.discrete.layout import Layout
+from cayley.system.system import System
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outline:
+    """A system without its equations: plain enough to be stored, and enough to label what was observed.
+
+    Args:
+        layout: fields, and rows of a node.
+        rule: name of the rule.
+        interval: name of the coordinate along the interval, or None for a system without one.
+        nodes: coordinates of the nodes [m], shape (nodes,); of a system without interval, one zero.
+    """
+
+    layout: Layout
+    rule: str
+    interval: str | None
+    nodes: np.ndarray
+
+    @classmethod
+    def of(cls, system: System) -> "Outline":
+        """The outline of a system."""
+        equations = system.equations
+        interval = equations.density.lagrangian.interval
+        nodes = np.zeros(system.size) if interval is None else system.nodes
+        return cls(layout=system.layout, rule=equations.rule.name, interval=interval, nodes=nodes)
