@@ -5,6 +5,7 @@ import math
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,11 @@ from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.results.observe import Frames
 from cayley.results.trajectory import Trajectory
+from cayley.steppers import decoupled_run
 from cayley.steppers.outcome import Outcome, Result
-from cayley.steppers.run import prepare, run
 from cayley.system.discretize import discretize, initial_values, spans
 from cayley.system.legendre import initial_state
-from cayley.system.system import State, System, gather
+from cayley.system.system import State, System
 
 SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
@@ -95,7 +96,7 @@ def simulate(
     state = initial_state(system, values, velocity)
     given = np.isfinite(momenta) & system.free
     state = replace(state, momenta=np.where(given, momenta, state.momenta))
-    parts = dict(zip(model.names, spans(model), strict=True))
+    parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
     return _run(
         system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress, model=model, parts=parts
     )
@@ -118,7 +119,8 @@ def integrate(
         system: made by ``cy.compile``.
         start: field -> values at the nodes, field_t -> velocities (zero where absent); or a State to go on from.
         t_end: end of the run [s].
-        dt: upper bound of the time step [s], fitted to the saves; without it, 0.9 of the guaranteed step limit.
+        dt: upper bound of the time step [s], fitted to the saves; without it, the step of a State that has run, else
+            0.9 of the guaranteed step limit.
         save_every: time between saved frames [s]; a hundredth of the run without it.
         t_start: time of the start [s].
         allow_unstable: run even with a step over the limit.
@@ -133,7 +135,7 @@ def integrate(
     if not isinstance(system, System):
         raise TypeError(f"integrate: {system!r} is no compiled system; make one with cy.compile(lagrangian, rule=...)")
     if isinstance(start, State):
-        state = start
+        state = _fitting(system, start)
     else:
         values, velocity = _start(system, start)
         state = initial_state(system, values, velocity, time=t_start)
@@ -178,35 +180,42 @@ def _run(
     plan = schedule(span, step, save_every)
     state = state.at_step(plan.h)
     begin, received = state, [_Block.of(system, state)]
-    rows = system.equations.rows
+    stepper = _stepper(system)
 
-    def receive(stride: int, frames: np.ndarray) -> None:
-        if len(frames):
-            numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(frames)))
-            values, momenta = (gather(frames, part, system.size) for part in (rows.values, rows.momenta))
-            received.append(_Block(numbers, values, momenta))
+    def receive(stride: int, values: np.ndarray, momenta: np.ndarray) -> None:
+        numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))
+        received.append(_Block(numbers, values, momenta))
 
-    prepare(system)
+    stepper.prepare(system)
     started = clock.perf_counter()
     result = Result(Outcome.FINISHED, state, state.step)
     for stride, saves in ((plan.stride, plan.saves), (plan.rest, 1)):
         if stride and saves and result.outcome is Outcome.FINISHED:
             keep = functools.partial(receive, stride)
-            result = run(system, result.state, stride=stride, saves=saves, receive=keep, progress=progress)
+            result = stepper.run(system, result.state, stride=stride, saves=saves, receive=keep, progress=progress)
     info = {"wall_time": clock.perf_counter() - started, "t_end": t_end, "save_every": save_every}
     steps = np.concatenate([block.steps for block in received])
     frames = Frames(
-        times=begin.origin + steps * plan.h,
+        times=begin.origin + steps * begin.h,
         steps=steps,
         values=np.concatenate([block.values for block in received]),
         momenta=np.concatenate([block.momenta for block in received]),
         origin=begin.origin,
-        h=plan.h,
+        h=begin.h,
     )
     trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
     if result.outcome is not Outcome.FINISHED:
         raise SimulationError(_explain(system, result, trajectory), trajectory)
     return trajectory
+
+
+def _stepper(system: System) -> ModuleType:
+    """The module that runs a system; the implicit ones need Numba, which is slow to import."""
+    if system.equations.rule.implicit:
+        from cayley.steppers import galerkin_run
+
+        return galerkin_run
+    return decoupled_run
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,10 +237,12 @@ def _step_size(system: System, state: State, dt: float | None, span: float, *, a
         _positive("dt", dt, "s")
         if allow_unstable:
             return dt
+    elif state.h > 0.0:
+        return state.h  # go on as if the run had never stopped
     limit = system.stable_dt(state, enough=math.inf if dt is None else dt)
     if dt is None:
         if not math.isfinite(limit):
-            raise ValueError(f"{_name(system)} has no step limit to choose dt from; give dt [s]")
+            raise ValueError(f"{_name(system)} has no step limit under the rule {system.equations.rule}; give dt [s]")
         return min(SAFETY * limit, span)
     if dt > limit:
         raise ValueError(
@@ -261,6 +272,17 @@ def _explain(system: System, result: Result, trajectory: Trajectory) -> str:
         f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; {remedy}. "
         f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
     )
+
+
+def _fitting(system: System, state: State) -> State:
+    """The state, if it can be one of the system."""
+    sizes = (system.size, system.layout.rows), (system.size, system.layout.dofs)
+    if (state.values.shape, state.momenta.shape) != sizes:
+        raise ValueError(
+            f"start is a state of values {state.values.shape} and momenta {state.momenta.shape}, of another system or "
+            f"rotation form; this one has values {sizes[0]} and momenta {sizes[1]}"
+        )
+    return state
 
 
 def _start(system: System, start: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

@@ -39,11 +39,11 @@ def load(names: Sequence[str], ir_of: Callable[[], str], key: str) -> tuple[tupl
     """
     digest = hashlib.sha256("\n".join([*names, key, host_key()]).encode()).hexdigest()
     path = cache_directory() / f"{digest}.o"
-    code = _read(path)
+    code = _read(path, digest)
     cached = code is not None
     if code is None:
         code = _compile(ir_of())
-        _write(path, code)
+        _write(path, digest, code)
     engine = _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
@@ -95,24 +95,24 @@ def _compile(ir: str) -> bytes:
     return machine.emit_object(module)
 
 
-def _read(path: Path) -> bytes | None:
-    """The machine code of a cache entry, or None if there is none or it is damaged."""
+def _read(path: Path, key: str) -> bytes | None:
+    """The machine code of a cache entry, or None if there is none or it is damaged or another's."""
     try:
         content = path.read_bytes()
     except OSError:
         return None
     digest, code = content[len(HEADER) : len(HEADER) + 32], content[len(HEADER) + 32 :]
-    good = content.startswith(HEADER) and hashlib.sha256(code).digest() == digest
+    good = content.startswith(HEADER) and hashlib.sha256(key.encode() + code).digest() == digest
     return code if good else None
 
 
-def _write(path: Path, code: bytes) -> None:
+def _write(path: Path, key: str, code: bytes) -> None:
     """Write a cache entry as a whole or not at all; a folder that can't be written costs only the time to compile."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=path.parent)
         with os.fdopen(handle, "wb") as file:
-            file.write(HEADER + hashlib.sha256(code).digest() + code)
+            file.write(HEADER + hashlib.sha256(key.encode() + code).digest() + code)
         os.replace(temporary, path)
     except OSError:
         return

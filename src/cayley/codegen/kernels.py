@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from cayley.codegen import jit
 from cayley.codegen.listing import print_listing
 from cayley.codegen.llvm import print_ir
@@ -25,6 +27,12 @@ class Kernel(NamedTuple):
     run: int
     setup: int
     width: int
+
+    def __call__(self, data: np.ndarray, uniforms: np.ndarray, first: int, last: int) -> int:
+        """Set up and run on blocks first ... last − 1; returns the number of blocks that did not converge."""
+        ctypes.CFUNCTYPE(None, ctypes.c_int64)(self.setup)(uniforms.ctypes.data)
+        run = ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_int64] * 4)(self.run)
+        return run(data.ctypes.data, uniforms.ctypes.data, first, last)
 
 
 @dataclass(frozen=True, slots=True)

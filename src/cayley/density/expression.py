@@ -154,8 +154,20 @@ def _inverse(a: Any) -> Any:
 
 
 def _clip(a: Any, a_min: Any = None, a_max: Any = None) -> Any:
-    low = a if a_min is None else np.maximum(wrap(a), a_min)
-    return low if a_max is None else np.minimum(low, a_max)
+    low = wrap(a) if a_min is None else np.maximum(wrap(a), a_min)
+    return low if a_max is None else np.minimum(wrap(low), a_max)
+
+
+def _extreme(choose: Callable) -> Callable:
+    def reduce(a: Any, axis: int | None = None) -> Any:
+        array = np.asarray(a)
+        entries = array.reshape(-1) if axis is None else np.moveaxis(array, axis, 0)
+        found = entries[0]
+        for entry in entries[1:]:
+            found = np.frompyfunc(choose, 2, 1)(found, entry)
+        return found
+
+    return reduce
 
 
 _UFUNCS: dict[np.ufunc, Callable] = {
@@ -179,6 +191,14 @@ _UFUNCS: dict[np.ufunc, Callable] = {
     np.greater_equal: lambda a, b: ca.SX(a) >= b,
     np.equal: lambda a, b: ca.SX(a) == b,
     np.not_equal: lambda a, b: ca.SX(a) != b,
+    np.fmod: ca.fmod,
+    np.degrees: lambda x: x * (180.0 / np.pi),
+    np.rad2deg: lambda x: x * (180.0 / np.pi),
+    np.radians: lambda x: x * (np.pi / 180.0),
+    np.deg2rad: lambda x: x * (np.pi / 180.0),
+    np.bitwise_and: ca.logic_and,
+    np.bitwise_or: ca.logic_or,
+    np.invert: ca.logic_not,
     np.logical_and: ca.logic_and,
     np.logical_or: ca.logic_or,
     np.logical_not: ca.logic_not,
@@ -200,4 +220,6 @@ _FUNCTIONS: dict[Callable, Callable] = {
     np.linalg.det: _determinant,
     np.linalg.inv: _inverse,
     np.clip: _clip,
+    np.max: _extreme(ca.fmax),
+    np.min: _extreme(ca.fmin),
 }

@@ -264,7 +264,7 @@ def _constants(constants: Mapping[str, Any], where: str) -> tuple[list[tuple[str
             elif number[index] == 0.0:
                 entries[index] = ca.SX(0)
             else:
-                label = name + ("[" + ",".join(map(str, index)) + "]" if index else "")
+                label = f"c.{name}" + ("[" + ",".join(map(str, index)) + "]" if index else "")
                 entries[index] = ca.SX.sym(label)
                 parameters.append((label, ca.SX(entries[index]), float(number[index])))
         arrays[name] = wrap(entries)

@@ -10,6 +10,7 @@ import numpy as np
 from cayley.density import Density
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 from cayley.discrete.element import element_energy, element_forces, element_points
+from cayley.discrete.embedded import point_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import Inertia, corner_inertia, node_load, node_point
 from cayley.discrete.program import Assign, Carry, Program, Step
@@ -70,9 +71,13 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """The program "step", "step_held", "kick" or "observe"."""
+        """A program: "step", "step_held", "kick", "observe"; "inertia_point", "strain_point" of implicit rules."""
         if name not in self._derived:
-            self._derived[name] = _Writer(self).write(name)
+            if name.endswith("_point"):
+                varying = tuple(n for n in self.density.names if n in self.varying)
+                self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
+            else:
+                self._derived[name] = _Writer(self).write(name)
         return self._derived[name]
 
     @property
@@ -85,6 +90,9 @@ class DiscreteEquations:
     @property
     def structure(self) -> str:
         """One line on that structure."""
+        if self.rule.implicit:
+            width = self.layout.dofs * len(self.rule.time.at) * self.rule.degree
+            return f"coupled nodes; block tridiagonal, {width} unknowns a block, by Newton"
         words = []
         for block in self.blocks:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
@@ -124,6 +132,8 @@ def derive(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "
             f"nodes do not decouple under the rule {rule.name}; a block-tridiagonal rule is needed and not there yet"
         )
+    if rule.implicit and rotation != "quaternion":
+        raise ValueError(f"rotation is {rotation!r}, but the rule {rule} is there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
     unknown = sorted(set(varying) - set(candidates))

@@ -48,7 +48,7 @@ class Quaternion:
 
     def matrix(self, p: Any) -> Any:
         """Λ(p) from products of components."""
-        return _homogeneous(p, 2.0)
+        return homogeneous(p, 2.0)
 
     def relative(self, p: Any, q: Any) -> tuple[Any, Any]:
         """Real and imaginary part of p̄ q."""
@@ -57,7 +57,7 @@ class Quaternion:
 
     def middle(self, p: Any, q: Any, r0: Any, half: Any) -> Any:
         """Λ((p + q)/‖p + q‖), with ‖p + q‖² = 2 (1 + r₀)."""
-        return _homogeneous(wrap(p + q), 1.0 / (1.0 + r0))
+        return homogeneous(wrap(p + q), 1.0 / (1.0 + r0))
 
     def compose(self, p: Any, f: Any, cosine: Any) -> Any:
         """P + p (Cay f − 1); the real part of the increment is −f·f c²/(1 + c)."""
@@ -128,8 +128,8 @@ def continuous(p: np.ndarray) -> np.ndarray:
 REPRESENTATIONS: dict[str, Representation] = {"quaternion": Quaternion(), "matrix": Matrix()}
 
 
-def _homogeneous(p: Any, factor: Any) -> Expression:
-    """I + factor (w ŝ + ŝ²) for p = (w, s): Λ(p) for factor = 2/‖p‖²."""
+def homogeneous(p: Any, factor: Any) -> Expression:
+    """I + factor (w ŝ + ŝ²) for p = (w, s) of any length: the matrix Λ(p/‖p‖) for factor = 2/‖p‖²."""
     w, x, y, z = p
     scaled = wrap(np.array([_scalar(factor * e) for e in (x, y, z)]))
     a, b, c = scaled

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 
 @dataclass(frozen=True, slots=True)
 class Points:
@@ -29,8 +31,27 @@ class Points:
             raise ValueError(f"Points {self.name}: give as many weights as positions, of sum 1")
 
 
+def gauss(count: int) -> Points:
+    """Gauss points of polynomials of the same degree."""
+    at, weights = np.polynomial.legendre.leggauss(count)
+    name = "middle" if count == 1 else f"{count} Gauss points"
+    return Points(name, tuple(0.5 + 0.5 * at), tuple(0.5 * weights), corners=False)
+
+
+def lobatto(degree: int) -> np.ndarray:
+    """The degree + 1 Gauss-Lobatto points of [0, 1]: nodes of a polynomial that has both ends among them."""
+    inner = np.polynomial.legendre.Legendre.basis(degree).deriv().roots() if degree > 1 else np.zeros(0)
+    return 0.5 + 0.5 * np.concatenate([[-1.0], np.sort(np.real(inner)), [1.0]])
+
+
+def lobatto_weights(degree: int) -> np.ndarray:
+    """Weights of the Gauss-Lobatto points of [0, 1], wᵢ = 1/(n (n + 1) Pₙ(xᵢ)²) with n the degree."""
+    values = np.polynomial.legendre.Legendre.basis(degree)(2.0 * lobatto(degree) - 1.0)
+    return 1.0 / (degree * (degree + 1) * values**2)
+
+
 CORNERS = Points("corners", (0.0, 1.0), (0.5, 0.5), corners=True)
-MIDDLE = Points("middle", (0.5,), (1.0,), corners=False)
+MIDDLE = gauss(1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +75,16 @@ class Rule:
     strain: Points
     order: int = 2
 
+    @property
+    def implicit(self) -> bool:
+        """Whether the nodes of a step are coupled: everything but corners in time."""
+        return not self.time.corners
+
+    @property
+    def degree(self) -> int:
+        """Degree of the polynomials in space: nodes of an element less one."""
+        return 1 if self.strain.corners else len(self.strain.at)
+
     def __str__(self) -> str:
         """Name the rule."""
         return self.name
@@ -65,4 +96,31 @@ nodal = Rule("nodal", time=CORNERS, strain=CORNERS)
 verlet = Rule("verlet", time=CORNERS, strain=MIDDLE)
 """Corners in time, strain at the middle of the element: explicit-like and free of shear locking."""
 
-RULES = {rule.name: rule for rule in (nodal, verlet)}
+midpoint = Rule("midpoint", time=MIDDLE, strain=MIDDLE)
+"""Everything at the middle, inertia and loads lumped at the nodes: implicit, no step limit from stiffness."""
+
+nodal_midpoint = Rule("nodal_midpoint", time=MIDDLE, strain=CORNERS)
+"""Corners in space, middle in time (the paper's footnote 1): locks like nodal, without its step limit."""
+
+RULES = {rule.name: rule for rule in (nodal, verlet, midpoint, nodal_midpoint)}
+
+
+def galerkin(*, time: int, space: int = 1) -> Rule:
+    """Polynomials in time and space, those of quaternions normalized where they are used, with as many Gauss points.
+
+    Args:
+        time: degree and number of Gauss points in time, r >= 1: order 2r.
+        space: degree and number of Gauss points along an element, m >= 1: order 2m; inertia and loads take its m + 1
+            Lobatto points, which are its nodes.
+
+    Raises:
+        ValueError: if a degree is no whole number from 1 to 8.
+
+    Source: Leok and Shingel (2012), General techniques for constructing variational integrators; degree 1 in both is
+    the rule midpoint.
+    """
+    for word, degree in (("time", time), ("space", space)):
+        if isinstance(degree, bool) or not isinstance(degree, int) or not 1 <= degree <= 8:
+            raise ValueError(f"galerkin: {word} is {degree!r}; give a whole number from 1 to 8")
+    name = f"galerkin(time={time})" if space == 1 else f"galerkin(time={time}, space={space})"
+    return Rule(name, time=gauss(time), strain=gauss(space), order=2 * time)

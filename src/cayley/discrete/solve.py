@@ -39,7 +39,7 @@ def find_structure(residual: ca.SX, unknown: ca.SX) -> tuple[Block, ...]:
         raise ValueError("the equations do not determine every unknown")
     count, rows, columns, row_starts, column_starts, *_ = pattern.btf()
     blocks = []
-    for k in reversed(range(count)):  # upper triangular: the last block stands alone
+    for k in range(count):  # lower triangular: the first block stands alone
         equations = tuple(sorted(rows[row_starts[k] : row_starts[k + 1]]))
         unknowns = tuple(sorted(columns[column_starts[k] : column_starts[k + 1]]))
         own = ca.vertcat(*[unknown[i] for i in unknowns])

@@ -102,6 +102,8 @@ def direction(owner: str, name: str, value: Any) -> Triple:
     largest = float(np.abs(given).max())
     if largest == 0.0:
         raise ValueError(wrong(owner, name, value, "a vector other than zero (it need not have length 1)"))
+    if abs(math.hypot(*given.tolist()) - 1.0) < 4.0 * np.finfo(float).eps:
+        return (float(given[0]), float(given[1]), float(given[2]))  # kept bit for bit, as when read from a store
     scaled = given / largest  # first by the largest component, so that the squares neither overflow nor vanish
     x, y, z = (scaled / np.linalg.norm(scaled)).tolist()
     return (x, y, z)

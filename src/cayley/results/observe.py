@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from cayley.results.frames import Frames
 from cayley.results.resultants import resultants
-from cayley.steppers.calls import call_kernel, call_setup
 from cayley.system.system import System, gather, pack
 
 
@@ -51,7 +49,7 @@ def observe(system: System, frames: Frames) -> Observations:
     for k, time in enumerate(frames.times):
         data = pack(system, frames.state(k))
         uniforms[1] = uniforms[2] = time
-        _call(kernel.run, kernel.setup, data, uniforms)
+        kernel(data, uniforms, 1, data.shape[0] - 1)
         found[k] = gather(data[1:-1], slice(first, rows.count), size)
     part = {name: found[..., p.start - first : p.stop - first] for name, p in rows.observed.items()}
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
@@ -64,12 +62,6 @@ def observe(system: System, frames: Frames) -> Observations:
         resultants=resultants(system, frames, part) if "left" in part else nothing,
         slopes=part.get("slopes", nothing),
     )
-
-
-@njit(cache=True)
-def _call(run: int, setup: int, data: np.ndarray, uniforms: np.ndarray) -> int:
-    call_setup(setup, uniforms.ctypes.data)
-    return call_kernel(run, data.ctypes.data, uniforms.ctypes.data, 1, data.shape[0] - 1)
 
 
 __all__ = ["Frames", "Observations", "observe"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from cayley.discrete.rules import RULES
 from cayley.lie import quaternion
-from cayley.model import Model, Rod
+from cayley.model import Model
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
@@ -70,8 +70,8 @@ class Trajectory:
         """
         if self.model is None:
             raise ValueError(
-                "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile it "
-                "again, and go on with cy.integrate(system, run.state, t_end=...)"
+                "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
+                "it again, and go on with cy.integrate(system, run.state, t_end=...)"
             )
         return discretize(self.model, RULES[self.rule], rotation=self.outline.layout.representation.name)
 
@@ -112,10 +112,13 @@ class Trajectory:
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod, given itself or by name."""
-        name = part if isinstance(part, str) else self._name_of(part)
+        from cayley.results.record import name_of
+        from cayley.results.rod import rod_dataset
+
+        name = part if isinstance(part, str) else name_of(part, self.model)
         if name not in self._parts:
-            raise KeyError(f"the run has no part {name!r}; it has {', '.join(self._parts) or 'none (use run.data)'}")
-        return self._rod(name)
+            raise KeyError(f"the run has no part {part!r}; it has {', '.join(self._parts) or 'none (use run.data)'}")
+        return rod_dataset(self, self._parts[name], str(name))
 
     def __repr__(self) -> str:
         """Say what ran."""
@@ -214,25 +217,6 @@ class Trajectory:
         from cayley.results.store import open_run
 
         return open_run(path, model=model)
-
-    def _name_of(self, part: Any) -> str:
-        if self.model is None:
-            raise KeyError("this run has no model; use run.data, or the name of a part")
-        if not isinstance(part, Rod):
-            raise KeyError(f"{part!r} is no rod; give a rod of the model, or its name: {', '.join(self._parts)}")
-        if any(part is rod for rod in self.model.rods):
-            return self.model.name_of(part)
-        from cayley.results.record import same_rods  # an opened run has rods of its own
-
-        same = same_rods(part, self.model)
-        if len(same) != 1:
-            raise KeyError(f"{part!r} is not in the model; its parts are {', '.join(self._parts)}")
-        return same[0]
-
-    def _rod(self, name: str) -> "xr.Dataset":
-        from cayley.results.rod import rod_dataset
-
-        return rod_dataset(self, self._parts[name], name)
 
     def _series(self, values: np.ndarray, long_name: str, units: str) -> "xr.DataArray":
         coordinates: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}

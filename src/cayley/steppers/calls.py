@@ -16,11 +16,9 @@ def call_kernel(typingctx: Any, address: Any, data: Any, uniforms: Any, first: A
     signature = types.int64(types.int64, types.int64, types.int64, types.int64, types.int64)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        word, pointer = ir.IntType(64), ir.IntType(8).as_pointer()
-        kind = ir.FunctionType(word, [pointer, pointer, word, word])
-        kernel = builder.inttoptr(arguments[0], kind.as_pointer())
-        places = [builder.inttoptr(argument, pointer) for argument in arguments[1:3]]
-        return builder.call(kernel, [*places, arguments[3], arguments[4]])
+        word = ir.IntType(64)
+        kind = ir.FunctionType(word, [word] * 4)
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
 
     return signature, generate
 
@@ -31,9 +29,8 @@ def call_setup(typingctx: Any, address: Any, uniforms: Any) -> Any:
     signature = types.void(types.int64, types.int64)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer = ir.IntType(8).as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [pointer])
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [builder.inttoptr(arguments[1], pointer)])
+        kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
         return context.get_dummy_value()
 
     return signature, generate

@@ -13,7 +13,7 @@ from cayley.density.trace import Density
 from cayley.discrete.equations import DiscreteEquations, derive
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import mass_matrix
-from cayley.discrete.rules import Rule
+from cayley.discrete.rules import Rule, lobatto, lobatto_weights
 from cayley.system.system import System
 
 
@@ -51,12 +51,15 @@ def compile_lagrangian(
     if domain is None:
         count, length, coordinates = 1, 1.0, np.zeros(1)
     else:
-        count, length = domain.elements + 1, (domain.stop - domain.start) / domain.elements
-        coordinates = np.linspace(domain.start, domain.stop, count)
+        ends = np.linspace(domain.start, domain.stop, domain.elements + 1)
+        length, coordinates = (domain.stop - domain.start) / domain.elements, chain_nodes(ends, rule.degree)
+        count = len(coordinates)
     reference = straight(equations.layout, coordinates)
     check_inertia(density, equations.layout, reference[0], where)
     free = _free(lagrangian, equations.layout, held or {}, count, where)
-    named = chain_arrays(coordinates) if domain is not None else {"weight": np.ones(1), "1/weight": np.ones(1)}
+    named = {"weight": np.ones(1), "1/weight": np.ones(1)}
+    if domain is not None:
+        named = chain_arrays(coordinates, rule.degree)
     uniforms = uniform_values(equations, {"inverse": 1.0 / length})
     return System(
         equations=equations,
@@ -69,10 +72,27 @@ def compile_lagrangian(
     )
 
 
-def chain_arrays(coordinates: np.ndarray) -> dict[str, np.ndarray]:
-    """Weights of the nodes and lengths of the elements of one chain, shape (nodes,) each."""
+def chain_nodes(ends: np.ndarray, degree: int) -> np.ndarray:
+    """Nodes of a chain of elements: their ends, and the Lobatto points inside them for a degree above 1.
+
+    Args:
+        ends: coordinates of the ends of the elements [m], shape (elements + 1,).
+        degree: degree of the polynomials along an element.
+
+    Returns: coordinates [m], shape (elements × degree + 1,).
+    """
+    inner = ends[:-1, None] + np.diff(ends)[:, None] * lobatto(degree)[None, :-1]
+    return np.append(inner.reshape(-1), ends[-1])
+
+
+def chain_arrays(coordinates: np.ndarray, degree: int = 1) -> dict[str, np.ndarray]:
+    """Weights of the nodes (Lobatto quadrature) and lengths between them, of one chain, shape (nodes,) each."""
     lengths = np.diff(coordinates)
-    weight = 0.5 * (np.append(lengths, 0.0) + np.append(0.0, lengths))
+    weight = np.zeros(len(coordinates))
+    shares = lobatto_weights(degree)
+    for k, share in enumerate(shares):
+        last = len(coordinates) - 1 - degree + k
+        weight[k : last + 1 : degree] += share * lengths.reshape(-1, degree).sum(axis=1)
     return {"weight": weight, "1/weight": 1.0 / weight, "length": np.append(lengths, 0.0), "here": coordinates}
 
 
@@ -132,6 +152,10 @@ def _checked(lagrangian: Any, rule: Any, domain: Any) -> str:
         raise TypeError(f"{where}: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
     if lagrangian.interval is None and domain is not None:
         raise ValueError(f"{where} has no interval, but a domain is given; leave it out or declare s=cy.Interval")
+    if lagrangian.interval is None and rule.degree > 1:
+        raise ValueError(
+            f"{where} has no interval, but the rule {rule} is one for elements; leave out space={rule.degree}"
+        )
     if lagrangian.interval is not None and not isinstance(domain, Interval):
         raise ValueError(f"{where} is a density on an interval; give domain=cy.Interval(start, stop, elements=n)")
     return where

@@ -9,10 +9,11 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.density import library, trace
 from cayley.discrete.equations import derive
+from cayley.discrete.layout import Layout
 from cayley.discrete.rules import Rule
 from cayley.model import Model, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
-from cayley.system.compile import chain_arrays, uniform_values
+from cayley.system.compile import chain_arrays, chain_nodes, uniform_values
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
 
@@ -41,14 +42,15 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     varying = [name for name, values in entries.items() if np.any(values != values[0])]
     varying += ["inverse"] if np.any(inverse != inverse[0]) else []
     equations = derive(density, rule, rotation=rotation, varying=varying)
-    counts = [rod.elements + 1 for rod in rods]
-    chains = [chain_arrays(np.asarray(rod.nodes)) for rod in rods]
+    places = [chain_nodes(np.asarray(rod.nodes), rule.degree) for rod in rods]
+    counts = [len(place) for place in places]
+    chains = [chain_arrays(place, rule.degree) for place in places]
     named = {name: np.concatenate([chain[name] for chain in chains]) for name in chains[0]}
     named |= {name: np.repeat(entries[name] if name != "inverse" else inverse, counts) for name in varying}
     layout = equations.layout
     reference = np.zeros((sum(counts), layout.rows))
-    for rod, nodes in zip(rods, spans(model), strict=True):
-        reference[nodes, layout.rows_of("x")] = rod.positions
+    for rod, place, nodes in zip(rods, places, spans(model, rule.degree), strict=True):
+        reference[nodes, layout.rows_of("x")] = np.array(rod.origin) + np.outer(place, rod.direction)
         reference[nodes, layout.rows_of("p")] = layout.representation.from_quaternion(np.asarray(rod.rotation))
     first = {name: float(values[0]) for name, values in entries.items()} | {"inverse": float(inverse[0])}
     return System(
@@ -56,16 +58,16 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
         kernels=Kernels(equations),
         uniforms=uniform_values(equations, first),
         named=named,
-        free=_free(model, layout),
+        free=_free(model, layout, rule.degree),
         chains=tuple(counts),
-        loads=_loads(model, layout, named["weight"]),
+        loads=_loads(model, layout, named["weight"], rule.degree),
         reference=reference,
     )
 
 
-def spans(model: Model) -> list[slice]:
-    """Nodes of each rod among all nodes."""
-    edges = np.cumsum([0, *[rod.elements + 1 for rod in model.rods]])
+def spans(model: Model, degree: int) -> list[slice]:
+    """Nodes of each rod among all nodes, with degree nodes more in every element."""
+    edges = np.cumsum([0, *[rod.elements * degree + 1 for rod in model.rods]])
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
 
 
@@ -88,15 +90,16 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
     values = system.reference.copy()
     velocity = np.zeros((system.size, layout.dofs))
     momenta = np.full((system.size, layout.dofs), np.nan)
-    by_name = dict(zip(model.names, zip(model.rods, spans(model), strict=True), strict=True))
+    among = spans(model, system.equations.rule.degree)
+    by_name = dict(zip(model.names, among, strict=True))
     for key, given in initial.items():
         name = model.name_of(key) if isinstance(key, Rod) else key
         if name not in by_name:
             raise ValueError(f"initial: {key!r} is no rod of the model; its rods are {', '.join(by_name)}")
-        rod, nodes = by_name[name]
+        nodes = by_name[name]
         for quantity, value in given.items():
             where = f"initial[{name!r}][{quantity!r}]"
-            array = _nodal(value, rod, 4 if quantity == "rotation" else 3, where)
+            array = _nodal(value, system.nodes[nodes], 4 if quantity == "rotation" else 3, where)
             if quantity == "position":
                 values[nodes, layout.rows_of("x")] = array
             elif quantity == "rotation":
@@ -119,14 +122,12 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
     return values, velocity, momenta
 
 
-def _nodal(value: Any, rod: Rod, width: int, where: str) -> np.ndarray:
-    given = np.array([value(float(s)) for s in rod.nodes]) if callable(value) else value
+def _nodal(value: Any, nodes: np.ndarray, width: int, where: str) -> np.ndarray:
+    given = np.array([value(float(s)) for s in nodes]) if callable(value) else value
     try:
-        array = np.broadcast_to(np.asarray(given, dtype=float), (rod.elements + 1, width))
+        array = np.broadcast_to(np.asarray(given, dtype=float), (len(nodes), width))
     except (TypeError, ValueError):
-        raise ValueError(
-            f"{where} has shape {np.shape(given)}; give ({rod.elements + 1}, {width}) or ({width},)"
-        ) from None
+        raise ValueError(f"{where} has shape {np.shape(given)}; give ({len(nodes)}, {width}) or ({width},)") from None
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{where} has an entry that is not finite")
     return array
@@ -148,27 +149,27 @@ def _union(arrays: list[np.ndarray]) -> np.ndarray:
 
 
 def _entry(constants: Mapping[str, np.ndarray], label: str) -> float:
-    """The number behind a label such as 'stiffness[0,1]'."""
-    name, _, index = label.rstrip("]").partition("[")
+    """The number behind a label such as 'c.stiffness[0,1]'."""
+    name, _, index = label.removeprefix("c.").rstrip("]").partition("[")
     return float(constants[name][tuple(int(i) for i in index.split(",") if i)])
 
 
-def _free(model: Model, layout: Any) -> np.ndarray:
-    total = sum(rod.elements + 1 for rod in model.rods)
-    free = np.ones((total, layout.dofs), dtype=bool)
-    starts = {id(rod): nodes.start for rod, nodes in zip(model.rods, spans(model), strict=True)}
+def _free(model: Model, layout: Layout, degree: int) -> np.ndarray:
+    among = spans(model, degree)
+    free = np.ones((among[-1].stop, layout.dofs), dtype=bool)
+    starts = {id(rod): nodes.start for rod, nodes in zip(model.rods, among, strict=True)}
     for support in model.supports:
-        node = starts[id(support.port.part)] + support.port.node
+        node = starts[id(support.port.part)] + support.port.node * degree
         free[node, layout.dofs_of("x")] &= ~np.array(support.held_position)
         free[node, layout.dofs_of("p")] &= ~np.array(support.held_rotation)
     return free
 
 
-def _loads(model: Model, layout: Any, weight: np.ndarray) -> LoadEntries | None:
+def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> LoadEntries | None:
     timed = [load for load in model.loads if isinstance(load, PointLoad | LineLoad)]
     if not timed:
         return None
-    by_rod = {id(rod): nodes for rod, nodes in zip(model.rods, spans(model), strict=True)}
+    by_rod = {id(rod): nodes for rod, nodes in zip(model.rods, spans(model, degree), strict=True)}
     rows: list[tuple[int, int, int, int, int, float]] = []
     for k, load in enumerate(timed):
         moment = load.kind == "moment"
@@ -177,7 +178,7 @@ def _loads(model: Model, layout: Any, weight: np.ndarray) -> LoadEntries | None:
         nodes = by_rod[id(load.part)]
         turn = layout.rows_of("p").start
         if isinstance(load, PointLoad):
-            rows.append((nodes.start + load.port.node, dof, turn, form, 3 * k, 1.0))
+            rows.append((nodes.start + load.port.node * degree, dof, turn, form, 3 * k, 1.0))
         else:
             rows += [(n, dof, turn, form, 3 * k, float(weight[n])) for n in range(nodes.start, nodes.stop)]
     columns = [np.array(column) for column in zip(*rows, strict=True)]

@@ -62,11 +62,18 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
     inputs = ca.vertcat(*[to_sx(e) for e in ends], *[to_sx(v) for v in names.values()], density.parameters)
     function = ca.Function("linearized", [inputs], [ca.densify(o) for o in outputs])
     inputs_at = _inputs(system, values)
-    if not density.depends("load", *layout.fields) and not density.depends("inertia", *layout.fields):
+    used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs]))}
+    inputs_at[:, [symbol.name() not in used for symbol in ca.vertsplit(inputs)]] = 0.0
+    vectors = [name for name in layout.fields if name not in layout.rotations]
+    places_count = not vectors or density.depends("strain", *vectors)
+    if not places_count:
+        left = ca.vertcat(*[to_sx(ends[0][layout.rows_of(name)]) for name in vectors])
+        places_count = ca.depends_on(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs[:2]]), left)
+    if not places_count:
         inputs_at = _shifted(layout, inputs_at)
-    _, first, again = np.unique(
-        inputs_at.round(12), axis=0, return_index=True, return_inverse=True
-    )  # congruent elements
+    scale = np.abs(inputs_at).max(axis=0)
+    alike = (inputs_at / np.where(scale > 0.0, scale, 1.0)).round(12)
+    _, first, again = np.unique(alike, axis=0, return_index=True, return_inverse=True)  # congruent elements
     d = layout.dofs
     shaped = [_batch(np.asarray(m), len(first))[again.reshape(-1)] for m in function(inputs_at[first].T)]
     masses, loads = shaped[0], shaped[1]

@@ -1,5 +1,6 @@
 """A compiled system: discrete equations, machine code, and the arrays they work on."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -35,8 +36,8 @@ class State:
         return self.origin + self.step * self.h
 
     def at_step(self, h: float) -> "State":
-        """The same state as the origin of steps of another size."""
-        return self if h == self.h else replace(self, origin=self.time, step=0, h=h)
+        """The same state as the origin of steps of another size; of the same size up to rounding, the state itself."""
+        return self if math.isclose(h, self.h, rel_tol=1e-9) else replace(self, origin=self.time, step=0, h=h)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +113,10 @@ class System:
             state: the state; without one a straight, unstrained reference.
             enough: a step [s] that would do: a limit found to be above it need not be sharp.
 
-        Returns: the step [s]; infinite for a system without strain and load.
+        Returns: the step [s]; infinite for a system without strain and load, and for implicit rules.
         """
+        if self.equations.rule.implicit:
+            return float("inf")
         from cayley.system.stability import stable_dt
 
         return stable_dt(self, self.reference if state is None else state.values, enough=enough)

@@ -26,6 +26,24 @@ class TimeTable:
     loads: Sequence[PointLoad | LineLoad]
     functions: Sequence[Callable[[np.ndarray], np.ndarray]]
 
+    def at_stages(self, times: np.ndarray, h: float, origin: float) -> np.ndarray:
+        """Values at the stages of steps, shape (steps, stages) -> (steps, stages, 3 × loads).
+
+        A load counts with the part of the step that lies in its window.
+        """
+        steps, stages = times.shape
+        found = np.zeros((steps, stages, 3 * len(self.loads)))
+        begin = times.mean(axis=1) - 0.5 * h
+        for k, (load, function) in enumerate(zip(self.loads, self.functions, strict=True)):
+            start = -np.inf if load.start <= origin else load.start
+            part = np.clip((np.minimum(begin + h, load.until) - np.maximum(begin, start)) / h, 0.0, 1.0)
+            part[part < 1e-9] = 0.0
+            on = np.flatnonzero(part)
+            if len(on):
+                values = function(np.clip(times[on].reshape(-1), load.start, load.until))
+                found[on, :, 3 * k : 3 * k + 3] = part[on, None, None] * values.reshape(len(on), stages, 3)
+        return found
+
     def __call__(self, times: np.ndarray, h: float, origin: float) -> np.ndarray:
         """Values at times [s], shape (m, 3 × loads)."""
         found = np.zeros((len(times), 3 * len(self.loads)))

@@ -52,7 +52,7 @@ def run(
     *,
     stride: int,
     saves: int,
-    receive: Callable[[np.ndarray], None],
+    receive: Callable[[np.ndarray, np.ndarray], None],
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before.
@@ -62,7 +62,7 @@ def run(
         state: where it starts; its h is the time step [s].
         stride: steps between two frames.
         saves: number of frames.
-        receive: called with frames, shape (m, blocks, rows kept, lanes), as they come.
+        receive: called with values (m, nodes, rows) and momenta (m, nodes, dofs) of frames, as they come.
         progress: called with (fraction done, time [s]) between calls of the driver.
 
     Returns: how it ended and the last good state.
@@ -78,10 +78,10 @@ def run(
         frames = np.empty((count, data.shape[0] - 2, kept, data.shape[2]))
         before[:] = data
         outcome, reached = _advance(system, plan, data, state, stride, frames)
-        receive(frames[:reached])
         if reached:
-            values, momenta = (gather(frames[reached - 1], part, system.size) for part in (rows.values, rows.momenta))
-            state = replace(state, values=values, momenta=momenta, step=state.step + reached * stride)
+            values, momenta = (gather(frames[:reached], part, system.size) for part in (rows.values, rows.momenta))
+            receive(values, momenta)
+            state = replace(state, values=values[-1], momenta=momenta[-1], step=state.step + reached * stride)
         if outcome is not Outcome.FINISHED:
             if reached:
                 before[1:-1, :kept] = frames[reached - 1]
@@ -150,23 +150,21 @@ def _advance(
         times = state.origin + (state.step + np.arange(steps + 1)) * state.h
         table = np.ascontiguousarray(system.loads.table(times, state.h, state.origin))
     clock = np.array([state.origin, state.h, float(state.step)])
-    code, reached = decoupled.advance(
-        plan.kernels,
-        data,
-        plan.uniforms,
-        plan.timed,
-        plan.spans,
-        plan.depth,
-        clock,
-        plan.held,
-        table,
-        plan.entries,
-        plan.scales,
-        plan.places,
-        stride,
-        frames,
+    saves, blocks, kept, lanes = frames.shape
+    failed = decoupled.advance(
+        dict(zip(("step", "step_setup", "held", "held_setup", "kick", "kick_setup"), plan.kernels.flat, strict=True))
+        | {"data": data, "blocks": blocks, "rows": data.shape[1], "lanes": lanes, "kept": kept}
+        | {"uniforms": plan.uniforms, "width": plan.uniforms.shape[1], "timed": plan.timed}
+        | {"spans": plan.spans, "tiles": len(plan.spans), "depth": plan.depth}
+        | {"fixed": plan.held, "fixed_count": len(plan.held)}
+        | {"table": table, "columns": table.shape[1], "entries": plan.entries, "entry_count": len(plan.entries)}
+        | {"scales": plan.scales, "places": plan.places}
+        | {"stride": stride, "saves": saves, "frames": frames, "clock": clock}
     )
-    return list(Outcome)[code], reached
+    good = np.isfinite(frames[: saves if failed < 0 else failed]).all(axis=(1, 2, 3))
+    if not good.all():
+        return Outcome.NOT_FINITE, int(np.argmin(good))
+    return (Outcome.FINISHED, saves) if failed < 0 else (Outcome.NOT_CONVERGED, failed)
 
 
 def _locate(system: System, plan: Plan, data: np.ndarray, state: State, stride: int, outcome: Outcome) -> Result:

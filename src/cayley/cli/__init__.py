@@ -1,0 +1,1 @@
+"""The command line: `cayley run`, `cayley cite`, and scenarios in TOML files."""

@@ -1,0 +1,100 @@
+"""`cayley run`: from a scenario file to a folder of results."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from cayley.cli.problems import ScenarioError
+from cayley.cli.scenario import Scenario, load
+from cayley.cli.screen import Progress, conservation_table
+
+DONE, WRONG_INPUT, STOPPED = 0, 2, 3
+
+
+def execute(source: str, *, out: Path | None, report: bool, quiet: bool) -> int:
+    """Run a scenario and write DIR/run.zarr, DIR/scenario.toml and DIR/report.html.
+
+    Args:
+        source: a TOML file or the name of a shipped scenario.
+        out: the folder DIR; runs/NAME by default.
+        report: whether to write the report.
+        quiet: print nothing but errors.
+
+    Returns: the exit code; an error is told on standard error, one line for each problem.
+    """
+    console = Console(quiet=quiet, highlight=False)
+    try:
+        scenario = load(source)
+        folder = Path("runs") / scenario.name if out is None else out
+        store = folder / "run.zarr"
+        folder.mkdir(parents=True, exist_ok=True)
+        run = _simulated(scenario, store, console)
+        run.save(store, overwrite=True)
+        (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
+        if not quiet:
+            console.print(conservation_table(run))
+        console.print(f"Results: {store}", soft_wrap=True)
+        if report:
+            _reported(run, scenario, folder / "report.html", console)
+    except ScenarioError as error:
+        return _told(error.problems, WRONG_INPUT)
+    except OSError as error:  # of the folder or the disk
+        return _told([f"{error.filename}: {error.strerror}" if error.strerror else str(error)], WRONG_INPUT)
+    except _Refused as error:
+        return _told([f"{source}: {error}"], WRONG_INPUT)
+    except _Stopped as error:
+        return _told([f"{source}: {error}"], STOPPED)
+    return DONE
+
+
+class _Refused(Exception):
+    """The library does not accept what the scenario says."""
+
+
+class _Stopped(Exception):
+    """The run stopped on the way."""
+
+
+def _simulated(scenario: Scenario, store: Path, console: Console) -> Any:
+    with Progress(console, scenario.run.t_end) as progress:
+        from cayley.simulation import SimulationError, simulate
+
+        try:
+            return simulate(scenario.model(), **scenario.options(), progress=progress)
+        except SimulationError as error:
+            error.partial.save(store, overwrite=True)
+            # the library's message is for Python; here the frames are on the disk
+            raise _Stopped(_one_line(error).replace("the exception's .partial", str(store))) from error
+        except (TypeError, ValueError) as error:
+            raise _Refused(_one_line(error)) from error
+
+
+def _reported(run: Any, scenario: Scenario, path: Path, console: Console) -> None:
+    from cayley.report import write_report
+
+    wanted, notes = scenario.tables.report, scenario.tables.notes
+    with console.status("Writing the report"):
+        write_report(
+            run,
+            path,
+            title=scenario.title,
+            scenario_text=scenario.text,
+            notes=() if notes is None else (notes.title, *notes.paragraphs),
+            times=wanted.snapshots if wanted else None,
+            nodes=wanted.nodes if wanted else None,
+        )
+    console.print(f"Report:  {path}", soft_wrap=True)
+
+
+def _told(lines: Any, code: int) -> int:
+    for line in lines:
+        print(line, file=sys.stderr)
+    return code
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

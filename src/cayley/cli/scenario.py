@@ -1,0 +1,123 @@
+"""Scenario files: a model and a run in TOML."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from cayley.cli import problems, schema
+from cayley.cli.build import BuildError, build
+from cayley.cli.problems import ScenarioError
+from cayley.model import Model
+
+_SAVES = 500  # frames of a run that does not say how often to save
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A checked scenario.
+
+    Attributes:
+        name: of the file, without `.toml`.
+        text: of the file.
+        tables: its contents.
+    """
+
+    name: str
+    text: str
+    tables: schema.ScenarioTables
+
+    @property
+    def title(self) -> str:
+        """The title, or the name."""
+        return self.tables.title or self.name
+
+    @property
+    def run(self) -> schema.RunTable:
+        """The `[run]` table."""
+        return self.tables.run
+
+    def model(self) -> Model:
+        """The model it describes."""
+        return build(self.tables)
+
+    def options(self) -> dict[str, Any]:
+        """The arguments of `cayley.simulate` besides the model."""
+        from cayley.discrete import rules  # with CasADi behind it, which checking a file does not need
+
+        run = self.run
+        return {
+            "t_end": run.t_end,
+            "dt": run.dt,
+            "rule": getattr(rules, run.rule),
+            "save_every": run.t_end / _SAVES if run.save_every is None else run.save_every,
+            "initial": self.initial(),
+            "rotation": run.rotation,
+            "allow_unstable": run.allow_unstable,
+        }
+
+    def initial(self) -> dict[str, dict[str, list[float]]]:
+        """What moves at the start, by the name of the rod: velocity [m/s], angular_velocity [rad/s], momenta."""
+        return {table.rod: table.model_dump(exclude={"rod"}, exclude_none=True) for table in self.tables.initial}
+
+
+def shipped() -> dict[str, Traversable]:
+    """The scenarios that come with the library, by name."""
+    folder = resources.files("cayley.cli") / "scenarios"
+    files = (file for file in folder.iterdir() if file.name.endswith(".toml"))
+    return {file.name.removesuffix(".toml"): file for file in sorted(files, key=lambda file: file.name)}
+
+
+def load(source: str | Path) -> Scenario:
+    """Read and check a scenario.
+
+    Args:
+        source: path of a TOML file, or the name of a shipped scenario.
+
+    Returns: the scenario; its model can be built.
+
+    Raises:
+        ScenarioError: the file is missing or something in it is wrong; one line for each problem.
+    """
+    name = str(source)
+    file: Path | Traversable = Path(source)
+    if not file.is_file():
+        known = shipped()
+        if name not in known:
+            near = problems.nearest(name, known)
+            hint = f' (did you mean "{near}"?)' if near else ""
+            what = "is a directory" if file.is_dir() else f"no such file{hint}"
+            raise ScenarioError(name, [f"{what}; allowed: a TOML file, or a shipped scenario ({', '.join(known)})"])
+        file = known[name]
+    try:
+        text = file.read_bytes().decode("utf-8")
+    except OSError as error:
+        raise ScenarioError(name, [f"cannot be read: {error.strerror}"]) from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(name, [f"is no text in UTF-8 (byte {error.start}); allowed: a TOML file"]) from None
+    return parse(text, name=file.name.removesuffix(".toml"), file=name)
+
+
+def parse(text: str, *, name: str, file: str) -> Scenario:
+    """Check the text of a scenario; `file` is how messages call it.
+
+    Raises:
+        ScenarioError: something in it is wrong; one line for each problem.
+    """
+    try:
+        tables = schema.ScenarioTables.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(file, [f"TOML syntax: {error}"]) from None
+    except ValidationError as error:
+        raise ScenarioError(file, problems.of_validation(error)) from None
+    try:
+        build(tables)
+    except BuildError as error:
+        raise ScenarioError(file, error.found) from None
+    return Scenario(name, text, tables)

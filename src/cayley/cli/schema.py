@@ -1,0 +1,247 @@
+"""The tables of a scenario file and what each key may hold; every description is the `allowed: ...` of a message."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field
+
+from cayley.cli.expressions import LANGUAGE
+
+_NAME = 'a text without "/" and other than empty'
+_NODE = "ROD.start, ROD.end or ROD.node K, where ROD is the name of a rod"
+_AXES = 'letters out of "xyz", each once'
+_SHEAR = "a positive number [-], or two of them in brackets, one for each axis of the section"
+_ROWS = "[N, N, N, N m^2, N m^2, N m^2]"
+
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Name = Annotated[str, Field(pattern=r"^[^/]+$")]
+Axes = Annotated[str, Field(pattern=r"^(?!.*(.).*\1)[xyz]*$")]
+Value = Annotated[list[float | str], Field(min_length=3, max_length=3)]
+ShearCorrection = float | Annotated[list[float], Field(min_length=2, max_length=2)]
+Until = Annotated[float, Field(allow_inf_nan=True)]
+
+
+def _positive(unit: str) -> Any:
+    return Field(gt=0, description=f"a positive number [{unit}]")
+
+
+def _vector(unit: str, default: Any = ...) -> Any:
+    return Field(default, description=f"three numbers in brackets [{unit}]")
+
+
+def _rows(name: str, size: int, units: str) -> Any:
+    text = f"{size} rows of {size} numbers, or the {size} numbers of the diagonal {units}"
+    return Field(min_length=size, max_length=size, description=text)
+
+
+class Table(BaseModel):
+    """What all tables share: no unknown keys, no silent conversions, no infinite numbers."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, regex_engine="python-re")
+
+
+class MaterialTable(Table):
+    """`[material.NAME]`: see `cayley.Material`."""
+
+    density: float = _positive("kg/m^3")
+    youngs_modulus: float = _positive("Pa")
+    poisson_ratio: float | None = Field(None, gt=-1, le=0.5, description="a number above -1 and at most 0.5")
+    shear_modulus: float | None = Field(None, gt=0, description="a positive number [Pa]")
+
+
+class RectangleTable(Table):
+    """`[section.NAME]` with shape = "rectangle": width along d1, height along d2."""
+
+    shape: Literal["rectangle"]
+    material: str = Field(description="the name of a material")
+    width: float = _positive("m")
+    height: float = _positive("m")
+    shear_correction: ShearCorrection | None = Field(None, description=_SHEAR)
+    torsion: Literal["polar", "saint-venant"] | float | None = Field(
+        None, description='"polar", "saint-venant", or a positive number [m^4]'
+    )
+
+
+class CircleTable(Table):
+    """`[section.NAME]` with shape = "circle"."""
+
+    shape: Literal["circle"]
+    material: str = Field(description="the name of a material")
+    radius: float = _positive("m")
+    shear_correction: ShearCorrection | None = Field(None, description=_SHEAR)
+
+
+class TubeTable(Table):
+    """`[section.NAME]` with shape = "tube"."""
+
+    shape: Literal["tube"]
+    material: str = Field(description="the name of a material")
+    outer_radius: float = _positive("m")
+    thickness: float = _positive("m")
+    shear_correction: ShearCorrection | None = Field(None, description=_SHEAR)
+
+
+class GivenTable(Table):
+    """`[section.NAME]` with shape = "given": stiffness and inertia as numbers."""
+
+    shape: Literal["given"]
+    stiffness: list[float | list[float]] = _rows("stiffness", 6, _ROWS)
+    mass_per_length: float = _positive("kg/m")
+    inertia: list[float | list[float]] = _rows("inertia", 3, "[kg m]")
+
+
+class RodTable(Table):
+    """`[[rod]]`: see `cayley.Rod`."""
+
+    name: Name = Field("rod", description=_NAME)
+    section: str = Field(description="the name of a section")
+    length: float = _positive("m")
+    elements: int = Field(ge=1, description="a whole number, at least 1")
+    origin: Vector = _vector("m", [0.0, 0.0, 0.0])
+    direction: Vector = _vector("-", [0.0, 0.0, 1.0])
+    normal: Vector | None = _vector("-", None)
+
+
+class PinTable(Table):
+    """`[[support]]` with kind = "pin" or "clamp"."""
+
+    kind: Literal["pin", "clamp"]
+    at: str = Field(description=_NODE)
+
+
+class HoldTable(Table):
+    """`[[support]]` with kind = "hold": some components, position in space, rotation about the body axes."""
+
+    kind: Literal["hold"]
+    at: str = Field(description=_NODE)
+    position: Axes = Field("", description=_AXES)
+    rotation: Axes = Field("", description=_AXES)
+
+
+class GravityTable(Table):
+    """`[[load]]` with kind = "gravity"."""
+
+    kind: Literal["gravity"]
+    acceleration: Vector = _vector("m/s^2")
+
+
+class _TimedTable(Table):
+    value: Value = Field(description=f"three numbers, or expressions of the time in quotes ({LANGUAGE})")
+    frame: Literal["space", "body"] = Field("space", description='"space" or "body"')
+    start: float = Field(0.0, description="a number [s]")
+    until: Until = Field(math.inf, description="a number [s]")
+
+
+class PointLoadTable(_TimedTable):
+    """`[[load]]` with kind = "force" or "moment", in N or N m."""
+
+    kind: Literal["force", "moment"]
+    at: str = Field(description=_NODE)
+
+
+class LineLoadTable(_TimedTable):
+    """`[[load]]` with kind = "line_force" or "line_moment", in N/m or N m/m."""
+
+    kind: Literal["line_force", "line_moment"]
+    rod: str = Field(description="the name of a rod")
+
+
+class InitialTable(Table):
+    """`[[initial]]`: how a rod moves at the start, the same at all its nodes."""
+
+    rod: str = Field(description="the name of a rod")
+    velocity: Vector | None = _vector("m/s, in space", None)
+    angular_velocity: Vector | None = _vector("rad/s, about the body axes", None)
+    momentum: Vector | None = _vector("kg/s, per length, in space", None)
+    angular_momentum: Vector | None = _vector("kg m/s, per length, about the body axes", None)
+
+
+class RunTable(Table):
+    """`[run]`: see `cayley.simulate`."""
+
+    t_end: float = _positive("s")
+    dt: float | None = Field(None, gt=0, description="a positive number [s]; left out: the largest safe step")
+    rule: Literal["nodal", "verlet"] = Field("verlet", description='"nodal" or "verlet"')
+    save_every: float | None = Field(None, gt=0, description="a positive number [s]; left out: t_end/500")
+    rotation: Literal["quaternion", "matrix"] = Field("quaternion", description='"quaternion" or "matrix"')
+    allow_unstable: bool = Field(False, description="true or false")
+
+
+class ReportTable(Table):
+    """`[report]`: what the figures show."""
+
+    snapshots: list[float] | None = Field(default=None, min_length=1, max_length=6, description="one to six times [s]")
+    nodes: list[int] | None = Field(default=None, min_length=1, max_length=5, description="one to five node numbers")
+
+
+class NotesTable(Table):
+    """`[notes]`: text for the report."""
+
+    title: str = Field("Notes", description="a text")
+    paragraphs: list[str] = Field(description="texts in brackets")
+
+
+SectionTable = Annotated[RectangleTable | CircleTable | TubeTable | GivenTable, Discriminator("shape")]
+SupportTable = Annotated[PinTable | HoldTable, Discriminator("kind")]
+LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable, Discriminator("kind")]
+
+
+class ScenarioTables(Table):
+    """A whole file."""
+
+    title: str = Field("", description="a text")
+    material: dict[str, MaterialTable] = Field({}, description="[material.NAME] tables")
+    section: dict[str, SectionTable] = Field(min_length=1, description="at least one [section.NAME] table")
+    rod: list[RodTable] = Field(min_length=1, description="at least one [[rod]] table")
+    support: list[SupportTable] = Field([], description="[[support]] tables")
+    load: list[LoadTable] = Field([], description="[[load]] tables")
+    initial: list[InitialTable] = Field([], description="[[initial]] tables")
+    run: RunTable = Field(description="a [run] table with t_end")
+    report: ReportTable | None = Field(None, description="a [report] table")
+    notes: NotesTable | None = Field(None, description="a [notes] table")
+
+
+Place = tuple[str | int, ...]
+
+_ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes": NotesTable}
+_MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
+_KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
+    "section": ("shape", {"rectangle": RectangleTable, "circle": CircleTable, "tube": TubeTable, "given": GivenTable}),
+    "support": ("kind", {"pin": PinTable, "clamp": PinTable, "hold": HoldTable}),
+    "load": (
+        "kind",
+        {
+            "gravity": GravityTable,
+            "force": PointLoadTable,
+            "moment": PointLoadTable,
+            "line_force": LineLoadTable,
+            "line_moment": LineLoadTable,
+        },
+    ),
+}
+
+
+def discriminator(place: Place) -> tuple[str, list[str]]:
+    """The key that decides which other keys a section, support or load has, and what it may be."""
+    key, kinds = _KINDS[str(place[0])]
+    return key, list(kinds)
+
+
+def located(loc: Place) -> tuple[Place, type[Table] | None]:
+    """The place of a key and the table it belongs to, from pydantic's location of an error.
+
+    Pydantic names the kind of a section, support or load after its place, and goes on into lists. The table is None if
+    the place is that of a whole entry.
+    """
+    top = str(loc[0])
+    if len(loc) == 1:
+        return loc, ScenarioTables
+    if top in _ONE:
+        return loc[:2], _ONE[top]
+    if len(loc) == 2:
+        return loc, None
+    if top in _MANY:
+        return loc[:3], _MANY[top]
+    return (*loc[:2], loc[3]), _KINDS[top][1][str(loc[2])]

@@ -1,0 +1,30 @@
+"""Reports of runs: figures, a table of conserved quantities, and one HTML file with all of it.
+
+What draws loads when it is first used: a run without a report imports no Matplotlib.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+_HOMES = {"write_report": "html", "conservation": "conserved", "citation": "cite"}
+_MODULES = ("figures",)
+
+__all__ = ["citation", "conservation", "figures", "write_report"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for."""
+    if name in _MODULES:
+        return importlib.import_module(f"cayley.report.{name}")
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"cayley.report.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'cayley.report' has no attribute {name!r}")
+
+
+if TYPE_CHECKING:
+    from cayley.report import figures
+    from cayley.report.cite import citation
+    from cayley.report.conserved import conservation
+    from cayley.report.html import write_report

@@ -1,0 +1,154 @@
+"""The report: one HTML file with figures, figures of conservation, the scenario and versions; it loads nothing."""
+
+from __future__ import annotations
+
+import base64
+import io
+import os
+import platform
+from collections.abc import Iterable, Sequence
+from html import escape
+from importlib import metadata, resources
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+import cayley
+from cayley.report import figures
+from cayley.report.cite import citation
+from cayley.report.conserved import conservation
+from cayley.report.style import style
+
+_LIBRARIES = ("numpy", "casadi", "numba", "llvmlite", "xarray", "zarr", "matplotlib")
+_MOST_RODS = 4  # whose stress resultants are drawn
+
+
+def write_report(
+    run: Any,
+    path: str | Path,
+    *,
+    scenario_text: str | None = None,
+    title: str | None = None,
+    notes: Sequence[str] = (),
+    times: Sequence[float] | None = None,
+    nodes: Sequence[int] | None = None,
+) -> Path:
+    """Write a run as one HTML file that needs no network.
+
+    Args:
+        run: a Trajectory.
+        path: of the file; an old one is replaced.
+        scenario_text: the scenario file, to be shown.
+        title: of the page.
+        notes: a heading and paragraphs of plain text.
+        times: of the snapshots [s]; by default four of equal distance.
+        nodes: whose stress resultants are drawn; by default the first, the middle and the last of each rod.
+
+    Returns: the path.
+    """
+    parts = [
+        _head(title or "A run", run),
+        _section("Conservation", _conservation_table(run)),
+        _section("Energy and momenta", _energies(run)),
+        *([] if run.model is None else _rods(run, times, nodes)),
+        *([_section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))] if notes else []),
+        *([_section("Model", f"<pre>{escape(str(run.model))}</pre>")] if run.model is not None else []),
+        *([_section("Scenario", _folded("The file", f"<pre>{escape(scenario_text)}</pre>"))] if scenario_text else []),
+        _section("How to cite", "".join(f"<p>{escape(reference)}</p>" for reference in citation())),
+        f"<footer>{escape(_versions())}</footer>",
+    ]
+    page = (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title or 'A run')}</title>\n"
+        f"<style>\n{resources.files('cayley.report').joinpath('page.css').read_text(encoding='utf-8')}</style>\n"
+        "</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
+    )
+    target = Path(path)
+    unfinished = target.with_name(target.name + ".part")
+    unfinished.write_text(page, encoding="utf-8")
+    os.replace(unfinished, target)
+    return target
+
+
+def _head(title: str, run: Any) -> str:
+    time = run.energy["time"].values
+    span = f"{time[-1] - time[0]:g} s in {run.steps} steps of {run.dt:.6g} s with the rule {run.rule}"
+    return f'<header><h1>{escape(title)}</h1><p class="lead">{escape(span)}, {len(time)} frames saved.</p></header>'
+
+
+def _section(heading: str, body: str) -> str:
+    return f"<section>\n<h2>{escape(heading)}</h2>\n{body}\n</section>"
+
+
+def _conservation_table(run: Any) -> str:
+    rows = "".join(
+        f'<tr><td>{escape(row.quantity)}</td><td class="value">{escape(row.value)}</td><td>{escape(row.unit)}</td>'
+        f'<td class="note">{escape(row.note)}</td></tr>\n'
+        for row in conservation(run)
+    )
+    head = '<tr><th>quantity</th><th class="value">value</th><th>unit</th><th></th></tr>\n'
+    return f'<div class="wide"><table>\n{head}{rows}</table></div>'
+
+
+def _energies(run: Any) -> str:
+    caption = (
+        "Kinetic, potential and total energy; total linear momentum Γ; angular momentum Π about the origin. The "
+        "components 1, 2, 3 are x, y, z in space. While loads other than gravity act the background is shaded. After "
+        "Leitz, Ober-Blöbaum and Leyendecker (2014), Figure 3."
+    )
+    return _figure(figures.energies(run), "Energies and momenta over the time.", caption)
+
+
+def _rods(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
+    caption = (
+        "The rods in space, colored by the magnitude of the moment ‖Σ‖. All panels have the same scale along all axes; "
+        "the gray line is the shadow on the floor, a ring marks a node held in place. After Leitz, Ober-Blöbaum and "
+        "Leyendecker (2014), Figure 4."
+    )
+    yield _section("Snapshots", _figure(figures.snapshots(run, times=times), "The rods at some times.", caption))
+    names = run.model.names
+    for rod, name in list(zip(run.model.rods, names, strict=True))[:_MOST_RODS]:
+        chosen = [k for k in nodes or () if -rod.elements - 1 <= k <= rod.elements] or None
+        heading = "Stress resultants" + (f" of {name}" if len(names) > 1 else "")
+        yield _section(heading, _resultants(run, name, chosen))
+
+
+def _resultants(run: Any, name: str, nodes: Sequence[int] | None) -> str:
+    caption = (
+        "σ = ∂L/∂x′ in space, the components 1, 2, 3 along x, y, z, and Σ = ∂L/∂Ω about the axes of the "
+        "cross-section: the force and the moment that the part of the rod before the node exerts on the part after it. "
+        "A free end without a load carries none. After Leitz, Ober-Blöbaum and Leyendecker (2014), Figure 5."
+    )
+    impulses = (
+        f"The discrete momenta of one step of {run.dt:.6g} s, which the paper's Figure 5 seems to show: the force and "
+        "the moment times the time step."
+    )
+    first = _figure(figures.resultants(run, name, nodes), "Stress resultants over the time.", caption)
+    second = _figure(figures.resultants(run, name, nodes, impulse=True), "Discrete momenta over the time.", impulses)
+    return first + _folded("The same as momenta over one step", second)
+
+
+def _folded(summary: str, body: str) -> str:
+    return f"<details><summary>{escape(summary)}</summary>{body}</details>"
+
+
+def _figure(figure: Figure, title: str, caption: str) -> str:
+    picture = io.BytesIO()
+    with style():
+        figure.savefig(picture, format="svg", metadata={"Date": None, "Creator": None})
+    data = base64.b64encode(picture.getvalue()).decode("ascii")
+    image = f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{data}">'
+    return f"<figure>{image}<figcaption><b>{escape(title)}</b> {escape(caption)}</figcaption></figure>"
+
+
+def _versions() -> str:
+    libraries = []
+    for name in _LIBRARIES:
+        try:
+            libraries.append(f"{name} {metadata.version(name)}")
+        except metadata.PackageNotFoundError:
+            continue
+    machine = f"Python {platform.python_version()} on {platform.system()} {platform.machine()}"
+    return f"cayley {cayley.__version__}, {', '.join(libraries)}; {machine}."

@@ -1,0 +1,236 @@
+"""Snapshots of rods in space, colored by the moment in them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from cayley.report.conserved import Array
+from cayley.report.style import GRID, INK, MAP, MUTED, SHADOW, WIDTH, style
+
+_PIECES = 8  # of an element, so that its color runs from node to node
+_AZIMUTH, _ELEVATION = np.radians(-60.0), np.radians(18.0)  # of the eye
+# the picture's axes to the right and up, as rows, in space
+_VIEW = np.array(
+    [
+        [-np.sin(_AZIMUTH), np.cos(_AZIMUTH), 0.0],
+        [-np.sin(_ELEVATION) * np.cos(_AZIMUTH), -np.sin(_ELEVATION) * np.sin(_AZIMUTH), np.cos(_ELEVATION)],
+    ]
+)
+_GAP = 1.12  # width of a panel per width of its picture
+# in inches: margins of the figure, with the color bar on the right, and the lowest and highest panel
+_LEFT, _RIGHT, _BOTTOM, _TOP, _LOWEST, _HIGHEST = 0.42, 0.85, 0.4, 0.32, 1.2, 3.4
+
+
+def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -> Figure:
+    """Rods in space at some times, colored by the magnitude of the moment ‖Σ‖ [N m] in them.
+
+    All panels have one scale, the same along all axes, and are seen along parallel lines from the same side. On the
+    floor is the rod's shadow.
+
+    Args:
+        run: a Trajectory.
+        rod: a rod, its name, or a list of them; all rods by default.
+        times: [s], of which the nearest saved ones are drawn; by default four of equal distance.
+
+    Source: Leitz, Ober-Blöbaum, Leyendecker (2014), Figure 4.
+    """
+    chosen = run.model.names if rod is None else rod if isinstance(rod, (list, tuple)) else [rod]
+    data = [run[part][["position", "moment"]] for part in chosen]
+    time = data[0]["time"].values
+    frames = nearest_frames(time, times)
+    positions, moments = [], []
+    for part in data:
+        shown = part.isel(time=frames).transpose("time", "node", "axis")
+        positions.append(shown["position"].values)
+        moments.append(np.linalg.norm(shown["moment"].values, axis=-1))
+    room = _Room.around(np.concatenate([position.reshape(-1, 3) for position in positions]))
+    held = _held(run.model, chosen)
+    top = max(float(moment.max()) for moment in moments)
+    scale = Normalize(0.0, top if top > 0.0 else 1.0)
+    with style():
+        plan = _Plan.of(len(frames), *room.extent)
+        figure = Figure(figsize=(WIDTH, plan.height))
+        for k, frame in enumerate(frames):
+            axes = figure.add_axes(plan.panel(k))
+            room.draw(axes, labeled=k == 0, margin=0.5 * (plan.width / plan.inches - room.extent[0]))
+            axes.set_title(f"$t$ = {time[frame]:.3g} s", loc="center")
+            for position, moment, nodes in zip(positions, moments, held, strict=True):
+                _draw(axes, position[k], moment[k], scale, room.low[2])
+                axes.plot(*_seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)
+        bar = figure.add_axes(plan.bar())
+        figure.colorbar(ScalarMappable(scale, MAP), cax=bar, label="moment ‖Σ‖ [N m]")
+        bar.grid(False)
+    return figure
+
+
+def nearest_frames(time: Array, times: Sequence[float] | None) -> list[int]:
+    """The saved frames nearest to the given times, each once."""
+    wanted = np.linspace(time[0], time[-1], 4) if times is None else np.asarray(times, dtype=float)
+    return sorted({int(np.abs(time - t).argmin()) for t in wanted})
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """Where the panels stand; lengths in inches.
+
+    Attributes:
+        columns: panels in a row.
+        rows: of panels.
+        inches: of a meter.
+        width: of a panel.
+        tall: height of a panel.
+    """
+
+    columns: int
+    rows: int
+    inches: float
+    width: float
+    tall: float
+
+    @classmethod
+    def of(cls, count: int, width: float, height: float) -> _Plan:
+        """All panels in one row, or in two if they were too low; width and height of what they show in meters."""
+        for columns in (count, -(-count // 2)):
+            panel = (WIDTH - _LEFT - _RIGHT) / columns
+            inches = min(panel / (_GAP * width), _HIGHEST / height)
+            if height * inches > _LOWEST:
+                break
+        return cls(columns, -(-count // columns), inches, panel, height * inches)
+
+    @property
+    def height(self) -> float:
+        """Height of the figure."""
+        return self.rows * (self.tall + _BOTTOM + _TOP)
+
+    def panel(self, k: int) -> tuple[float, float, float, float]:
+        """Place of a panel in the figure, in parts of it."""
+        row, column = divmod(k, self.columns)
+        bottom = (self.rows - 1 - row) * (self.tall + _BOTTOM + _TOP) + _BOTTOM
+        left = _LEFT + column * self.width
+        return (left / WIDTH, bottom / self.height, self.width / WIDTH, self.tall / self.height)
+
+    def bar(self) -> tuple[float, float, float, float]:
+        """Place of the color bar, at the right."""
+        long = min(0.8 * self.height, 2.4)
+        return (1.0 - 0.72 / WIDTH, 0.5 - 0.5 * long / self.height, 0.1 / WIDTH, long / self.height)
+
+
+@dataclass(frozen=True, slots=True)
+class _Room:
+    """A box in space whose floor and front edges are drawn.
+
+    Attributes:
+        low: its corner with the least coordinates [m], shape (3,).
+        high: the opposite corner [m], shape (3,).
+        left: left lower corner of the picture [m], shape (2,).
+        right: right upper corner of the picture [m], shape (2,).
+    """
+
+    low: Array
+    high: Array
+    left: Array
+    right: Array
+
+    @classmethod
+    def around(cls, points: Array) -> _Room:
+        """A box around points, no side of it less than a quarter of the longest."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        longest = max(float((high - low).max()), 1e-9)
+        half = 0.5 * np.maximum(high - low, 0.25 * longest) + 0.03 * longest
+        (x0, y0, z0), (x1, y1, z1) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
+        lines = [(x0, y0, z0), (x1, y0, z0), (x0, y1, z0), (x1, y1, z0), (x0, y0, z1)]
+        seen = _seen(np.concatenate([np.array(lines), points + 0.02 * longest * np.array([0.0, 0.0, 1.0])]))
+        return cls(np.array([x0, y0, z0]), np.array([x1, y1, z1]), seen.min(axis=0), seen.max(axis=0))
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height of the picture [m]."""
+        width, height = (self.right - self.left).tolist()
+        return width, height
+
+    def draw(self, axes: Axes, *, labeled: bool, margin: float) -> None:
+        """Grid on the floor, three edges with ticks; `margin` is the empty room on the left and right [m]."""
+        axes.set_axis_off()
+        axes.set_xlim(self.left[0] - margin, self.right[0] + margin)
+        axes.set_ylim(self.left[1], self.right[1])
+        (x0, y0, z0), (x1, y1, z1) = self.low, self.high
+        ticks = [self._ticks(i) for i in range(3)]
+        grid = [[(x, y0, z0), (x, y1, z0)] for x in (x0, *ticks[0], x1)]
+        grid += [[(x0, y, z0), (x1, y, z0)] for y in (y0, *ticks[1], y1)]
+        axes.add_collection(LineCollection(list(_seen(np.array(grid))), colors=GRID, linewidths=0.6))
+        edges = [[(x0, y0, z0), (x1, y0, z0)], [(x1, y0, z0), (x1, y1, z0)], [(x0, y0, z0), (x0, y0, z1)]]
+        axes.add_collection(LineCollection(list(_seen(np.array(edges))), colors=MUTED, linewidths=0.7))
+        if not labeled:
+            return
+        at = (lambda x: (x, y0, z0), lambda y: (x1, y, z0), lambda z: (x0, y0, z))
+        offset, align = ((-3, -3), (4, -3), (-4, 0)), (("right", "top"), ("left", "top"), ("right", "center"))
+        for i in range(3):
+            for tick in ticks[i]:
+                self._label(axes, at[i](tick), f"{tick:g}".replace("-", "\N{MINUS SIGN}"), offset[i], align[i])
+        self._label(axes, at[0](0.5 * (x0 + x1)), "$x$ [m]", (-12, -12), ("right", "top"))
+        self._label(axes, at[1](0.5 * (y0 + y1)), "$y$ [m]", (12, -12), ("left", "top"))
+        self._label(axes, at[2](z1), "$z$ [m]", (0, 4), ("center", "bottom"))
+
+    def _ticks(self, i: int) -> list[float]:
+        """Two to four round values on an axis."""
+        longest = float(np.max(self.high - self.low))
+        step = np.ptp(MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(0.0, longest)[:2])
+        first, last = np.ceil(self.low[i] / step), np.floor(self.high[i] / step)
+        return (np.arange(first, last + 0.5) * step + 0.0).round(9).tolist()
+
+    @staticmethod
+    def _label(axes: Axes, place: Any, text: str, offset: tuple[int, int], align: tuple[str, str]) -> None:
+        axes.annotate(
+            text,
+            tuple(_seen(np.array(place)).tolist()),
+            xytext=offset,
+            textcoords="offset points",
+            ha=align[0],
+            va=align[1],
+            fontsize=7.0,
+            annotation_clip=False,
+        )
+
+
+def _seen(points: Array) -> Array:
+    """Places in the picture [m], right and up, shape (..., 2), of points in space."""
+    seen: Array = points @ _VIEW.T
+    return seen
+
+
+def _draw(axes: Axes, position: Array, moment: Array, scale: Normalize, floor: float) -> None:
+    """A rod: its shadow on the floor, a dark outline, and the color of the moment."""
+    nodes = np.arange(len(position))
+    fine = np.linspace(0, len(position) - 1, (len(position) - 1) * _PIECES + 1)
+    curve = np.column_stack([np.interp(fine, nodes, position[:, i]) for i in range(3)])
+    values = np.interp(0.5 * (fine[1:] + fine[:-1]), nodes, moment)
+    shadow = position.copy()
+    shadow[:, 2] = floor
+    axes.plot(*_seen(shadow).T, color=SHADOW, linewidth=1.6)
+    axes.plot(*_seen(np.stack([position[-1], shadow[-1]])).T, color=SHADOW, linewidth=0.7, linestyle=(0, (2, 2)))
+    seen = _seen(curve)
+    axes.plot(*seen.T, color=INK, linewidth=4.4, solid_joinstyle="round", clip_on=False)
+    pieces = np.stack([seen[:-1], seen[1:]], axis=1)
+    axes.add_collection(
+        LineCollection(
+            list(pieces), cmap=MAP, norm=scale, array=values, linewidths=3.2, capstyle="round", clip_on=False
+        )
+    )
+
+
+def _held(model: Any, rods: Sequence[Any]) -> list[list[int]]:
+    """The nodes of each rod whose position is held."""
+    parts = [dict(zip(model.names, model.rods, strict=True))[rod] if isinstance(rod, str) else rod for rod in rods]
+    return [
+        sorted({s.port.node for s in model.supports if s.port.part is part and any(s.held_position)}) for part in parts
+    ]

@@ -1,0 +1,48 @@
+"""Momenta from velocities: the Legendre transform against differences of the user's own function."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import cayley as cy
+from cayley.discrete.rules import verlet
+from cayley.system.legendre import initial_state, momenta_of
+from unit.density.evaluation import slopes, unit_quaternions, value_of
+from unit.density.examples import EXAMPLES
+
+
+@pytest.mark.parametrize("rotation", ["quaternion", "matrix"])
+@pytest.mark.parametrize("name", ["rod", "mixed", "offset_body", "two_bodies", "quartic_top", "charge", "driven"])
+def test_momenta(name, rotation):
+    """μ = weight × ∂T/∂v for every node, at its own place, with the linear terms of gyroscopic energies."""
+    lagrangian, constants = EXAMPLES[name]
+    domain = None if lagrangian.interval is None else cy.Interval(0.5, 2.0, elements=3)
+    system = cy.compile(lagrangian, rule=verlet, domain=domain, constants=constants, rotation=rotation)
+    layout, rng, time = system.layout, np.random.default_rng(3), 0.4
+    values = rng.normal(size=(system.size, layout.rows))
+    turns = {p: unit_quaternions(rng, system.size) for p in layout.rotations}
+    for p, quaternions in turns.items():
+        values[:, layout.rows_of(p)] = layout.representation.from_quaternion(quaternions)
+    velocity = rng.normal(size=(system.size, layout.dofs))
+    found = momenta_of(system, values, velocity, time)
+    for node in range(system.size):
+        here = turns | {k: values[:, layout.rows_of(k)] for k in layout.fields if k not in turns}
+        point = {k: v[node] for k, v in here.items()} | {"t": time}
+        if domain is not None:
+            point |= {f"{k}_s": np.zeros(f.size) for k, f in lagrangian.fields.items()} | {"s": system.nodes[node]}
+
+        def energy(by, node=node, point=point):
+            moving = {f"{k}_t": (velocity[node] + by)[layout.dofs_of(k)] for k in layout.fields}
+            return value_of(lagrangian, point | moving, constants)
+
+        expected = system.named["weight"][node] * slopes(energy, layout.dofs)
+        assert_allclose(found[node], expected, atol=1e-8)
+
+
+def test_held_components_have_no_momentum():
+    string, constants = EXAMPLES["string"]
+    domain = cy.Interval(0.0, 1.0, elements=2)
+    system = cy.compile(string, rule=verlet, domain=domain, constants=constants, held={"x": ("start", 1)})
+    state = initial_state(system, system.reference, np.ones((3, 3)), time=2.5)
+    assert_allclose(state.momenta, [[0.0] * 3, [0.0] * 3, [0.1 * 0.25] * 3])
+    assert (state.time, state.step) == (2.5, 0)
