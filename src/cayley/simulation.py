@@ -212,9 +212,9 @@ def _run(
 def _stepper(system: System) -> ModuleType:
     """The module that runs a system; the implicit ones need Numba, which is slow to import."""
     if system.equations.rule.implicit:
-        from cayley.steppers import galerkin_run
+        from cayley.steppers import implicit_run
 
-        return galerkin_run
+        return implicit_run
     return decoupled_run
 
 

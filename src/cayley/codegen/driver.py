@@ -89,12 +89,12 @@ class _Advance(_Writer):
 
     def write(self) -> None:
         b, at = self.b, self.at
+        failures = b.alloca(I64)
         for kind in ("step", "held"):
             self.set(kind, self.h, self.int(0), self.int(1))
         with self.loop(self.int(0), at["saves"]) as save:
             begin = b.mul(save, at["stride"])
             self.half(begin, -0.5)
-            failures = b.alloca(I64)
             b.store(self.int(0), failures)
             groups = b.sdiv(b.add(at["stride"], b.sub(at["depth"], self.int(1))), at["depth"])
             with self.loop(self.int(0), groups) as group:

@@ -161,11 +161,7 @@ def _clip(a: Any, a_min: Any = None, a_max: Any = None) -> Any:
 def _extreme(choose: Callable) -> Callable:
     def reduce(a: Any, axis: int | None = None) -> Any:
         array = np.asarray(a)
-        entries = array.reshape(-1) if axis is None else np.moveaxis(array, axis, 0)
-        found = entries[0]
-        for entry in entries[1:]:
-            found = np.frompyfunc(choose, 2, 1)(found, entry)
-        return found
+        return np.frompyfunc(choose, 2, 1).reduce(array.reshape(-1) if axis is None else array, axis=axis or 0)
 
     return reduce
 

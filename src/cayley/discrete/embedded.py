@@ -46,7 +46,7 @@ def point_program(
         value = density.value("inertia", point) - density.value("load", point)
     elif points is not None and points.corners:
         ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here)}
-        value = element_energy(density, points, layout, (_normalized(layout, z), _normalized(layout, slope)), ends)
+        value = element_energy(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
     else:
         value = density.value("strain", embedded_point(layout, z, slope, str(along)) | place)
     unknown = ca.vertcat(to_sx(z), to_sx(slope))
@@ -82,7 +82,8 @@ def embedded_point(layout: Layout, z: Expression, slope: Expression, suffix: str
     return point
 
 
-def _normalized(layout: Layout, z: Expression) -> Expression:
+def normalized(layout: Layout, z: Expression) -> Expression:
+    """Rows of a node with its rotations brought to length one."""
     made = z.copy()
     for name in layout.rotations:
         rows = layout.rows_of(name)

@@ -11,11 +11,12 @@ from cayley.density import Density
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 from cayley.discrete.element import element_energy, element_forces, element_points
 from cayley.discrete.embedded import point_program
+from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import Inertia, corner_inertia, node_load, node_point
 from cayley.discrete.program import Assign, Carry, Program, Step
 from cayley.discrete.representation import REPRESENTATIONS
-from cayley.discrete.rules import Rule
+from cayley.discrete.rules import MIDDLE, Rule
 from cayley.discrete.solve import Block, find_structure, solve_steps
 
 UNIFORMS = ("h", "t", "t_next")
@@ -71,10 +72,12 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """A program: "step", "step_held", "kick", "observe"; "inertia_point", "strain_point" of implicit rules."""
+        """A program by its name; implicit rules have "inertia_point" and "strain_point", or "fused"."""
         if name not in self._derived:
-            if name.endswith("_point"):
-                varying = tuple(n for n in self.density.names if n in self.varying)
+            varying = tuple(n for n in self.density.names if n in self.varying)
+            if name == "fused":
+                self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
+            elif name.endswith("_point"):
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
                 self._derived[name] = _Writer(self).write(name)
@@ -228,7 +231,8 @@ class _Writer:
             steps.append(Assign(tuple(targets), tuple(values)))
             rows = _range(self.rows.carried)
             pick = [(_entries(carried)[i], _entries(from_right)[i], rows[i]) for i in moving]
-            steps.append(Carry(*(tuple(column) for column in zip(*pick, strict=True))))
+            if pick:
+                steps.append(Carry(*(tuple(column) for column in zip(*pick, strict=True))))
             mask = np.array([float(i in moving) for i in range(self.layout.dofs)])
             return steps, total * place["h"] + (from_left + carried) * mask
         return steps, total * place["h"]
@@ -250,8 +254,7 @@ class _Writer:
         momentum = given + inertia.total * weight
         if held:
             residual = to_sx(self.free * wrap_column(residual) + (1.0 - self.free) * self.unknown)
-            fixed = (inertia.total - inertia.before / inertia.scale) * weight
-            momentum = self.free * momentum + (1.0 - self.free) * fixed
+            momentum = self.free * momentum
         steps += solve_steps(residual, column, blocks)
         stores = list(zip(_range(self.rows.values), _entries(inertia.after), strict=True))
         stores += list(zip(_range(self.rows.momenta), _entries(momentum), strict=True))
@@ -266,6 +269,7 @@ class _Writer:
     def _observe(self) -> Program:
         """Velocities from momenta (Legendre transform), energies, forces and slopes, for results."""
         place, layout, observed = self._place(), self.layout, self.rows.observed
+        strain_at = self.rule.strain if self.rule.degree == 1 else MIDDLE  # results.interpolated does higher degrees
         weight, inverse = wrap(self.symbol["weight"]), wrap(self.symbol["1/weight"])
         velocity = symbols("v", layout.dofs)
         point = node_point(layout, self.node, self.density.lagrangian.interval, place)
@@ -283,11 +287,11 @@ class _Writer:
         strain = wrap(ca.SX(0))
         if self.interval:
             ends, length = (self.node, self.next), wrap(self.symbol["length"])
-            left, right = element_forces(self.density, self.rule.strain, layout, ends, place)
-            strain = wrap(element_energy(self.density, self.rule.strain, layout, ends, place)) * length
+            left, right = element_forces(self.density, strain_at, layout, ends, place)
+            strain = wrap(element_energy(self.density, strain_at, layout, ends, place)) * length
             strain = _where_element(length, strain)
             outputs |= {"left": _where_element(length, left * length), "right": _where_element(length, right * length)}
-            at = element_points(self.density, self.rule.strain, layout, ends, place)[0][1]
+            at = element_points(self.density, strain_at, layout, ends, place)[0][1]
             along = self.density.lagrangian.interval
             outputs["slopes"] = wrap(np.concatenate([at[f"{name}_{along}"] for name in layout.fields]))
         outputs["energies"] = wrap(np.array([_scalar(e) for e in (kinetic, strain, stored)], dtype=object))

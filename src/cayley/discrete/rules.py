@@ -1,6 +1,8 @@
 """Rules: where in a step and in an element the terms of a Lagrangian are evaluated, as data."""
 
+import re
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -48,6 +50,21 @@ def lobatto_weights(degree: int) -> np.ndarray:
     """Weights of the Gauss-Lobatto points of [0, 1], wᵢ = 1/(n (n + 1) Pₙ(xᵢ)²) with n the degree."""
     values = np.polynomial.legendre.Legendre.basis(degree)(2.0 * lobatto(degree) - 1.0)
     return 1.0 / (degree * (degree + 1) * values**2)
+
+
+def lagrange(nodes: np.ndarray, at: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Lagrange polynomials of the nodes and their derivatives, shape (len(at), len(nodes)) each."""
+    basis = []
+    for i, node in enumerate(nodes):
+        others = np.delete(nodes, i)
+        basis.append(
+            np.polynomial.Polynomial.fromroots(others) / float(np.prod(node - others))
+            if len(others)
+            else np.polynomial.Polynomial([1.0])
+        )
+    points = np.asarray(at, dtype=float)
+    values = np.column_stack([p(points) for p in basis])
+    return np.ascontiguousarray(values), np.ascontiguousarray(np.column_stack([p.deriv()(points) for p in basis]))
 
 
 CORNERS = Points("corners", (0.0, 1.0), (0.5, 0.5), corners=True)
@@ -103,6 +120,20 @@ nodal_midpoint = Rule("nodal_midpoint", time=MIDDLE, strain=CORNERS)
 """Corners in space, middle in time (the paper's footnote 1): locks like nodal, without its step limit."""
 
 RULES = {rule.name: rule for rule in (nodal, verlet, midpoint, nodal_midpoint)}
+
+
+def by_name(name: str) -> Rule:
+    """The rule of a name, such as "verlet" or "galerkin(time=2, space=3)".
+
+    Raises:
+        ValueError: if there is no such rule.
+    """
+    found = re.fullmatch(r"galerkin\(time=(\d+)(?:, space=(\d+))?\)", name)
+    if found:
+        return galerkin(time=int(found[1]), space=int(found[2] or 1))
+    if name not in RULES:
+        raise ValueError(f"there is no rule {name!r}; give one of {', '.join(RULES)} or galerkin(time=..., space=...)")
+    return RULES[name]
 
 
 def galerkin(*, time: int, space: int = 1) -> Rule:

@@ -18,6 +18,7 @@ class Frames:
         momenta: shape (m, nodes, dofs).
         origin: time of step 0 [s].
         h: time step [s].
+        memory: what implicit rules remember of the step before the last frame (see State).
     """
 
     times: np.ndarray
@@ -26,6 +27,7 @@ class Frames:
     momenta: np.ndarray
     origin: float
     h: float
+    memory: np.ndarray | None = None
 
     def state(self, k: int = -1) -> State:
         """The state of a frame, to go on from."""
@@ -35,4 +37,5 @@ class Frames:
             origin=self.origin,
             step=int(self.steps[k]),
             h=self.h,
+            memory=self.memory if k in (-1, len(self.times) - 1) else None,
         )

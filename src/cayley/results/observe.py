@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cayley.results.frames import Frames
+from cayley.results.interpolated import interpolated
 from cayley.results.resultants import resultants
 from cayley.system.system import System, gather, pack
 
@@ -54,13 +55,18 @@ def observe(system: System, frames: Frames) -> Observations:
     part = {name: found[..., p.start - first : p.stop - first] for name, p in rows.observed.items()}
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
     nothing = np.zeros_like(part["velocity"])
+    spatial, slopes = nothing, part.get("slopes", nothing)
+    if system.equations.rule.degree > 1:
+        strain, spatial, slopes = interpolated(system, frames)
+    elif "left" in part:
+        spatial = resultants(system, frames, part)
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
         strain=strain,
         load=load,
-        resultants=resultants(system, frames, part) if "left" in part else nothing,
-        slopes=part.get("slopes", nothing),
+        resultants=spatial,
+        slopes=slopes,
     )
 
 

@@ -137,6 +137,8 @@ def _write(run: Trajectory, path: Path) -> None:
     _put(root, times | {"step": ("1", frames.steps)}, ("time",))
     _put(root, {name: ("J", getattr(observed, key)) for key, name in _ENERGIES.items()}, ("time",))
     _put(root, {"nodes": ("m", run.outline.nodes)}, ("node",))
+    if frames.memory is not None:
+        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row"))
     for name in layout.fields:
         group = root.create_group(f"fields/{name}")
         _put(group, times, ("time",))
@@ -202,6 +204,7 @@ def _read(root: Any, about: Mapping[str, Any]) -> tuple[Frames, Outline, Observa
         momenta=np.empty((*count, layout.dofs)),
         origin=float(about["origin"]),
         h=float(about["dt"]),
+        memory=_memory(root),
     )
     arrays = {f.name: np.zeros((*count, layout.dofs)) for f in fields(Observations) if f.name not in _ENERGIES}
     energies = {key: _get(root, name, times.shape) for key, name in _ENERGIES.items()}
@@ -210,6 +213,11 @@ def _read(root: Any, about: Mapping[str, Any]) -> tuple[Frames, Outline, Observa
         for key, part in _of_field(outline, name, frames, observed).items():
             part[:] = _get(root, f"fields/{name}/{key}", part.shape)  # a view into one of the arrays above
     return frames, outline, observed
+
+
+def _memory(root: Any) -> np.ndarray | None:
+    """What an implicit rule remembered of its last step."""
+    return _get(root, "memory", root["memory"].shape) if "memory" in root else None
 
 
 def _get(root: Any, name: str, shape: tuple[int, ...], *, kind: type = np.float64) -> np.ndarray:

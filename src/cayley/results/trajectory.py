@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cayley.discrete.rules import RULES
+from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
 from cayley.model import Model
 from cayley.results.frames import Frames
@@ -73,7 +73,7 @@ class Trajectory:
                 "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
                 "it again, and go on with cy.integrate(system, run.state, t_end=...)"
             )
-        return discretize(self.model, RULES[self.rule], rotation=self.outline.layout.representation.name)
+        return discretize(self.model, by_name(self.rule), rotation=self.outline.layout.representation.name)
 
     @functools.cached_property
     def outline(self) -> Outline:

@@ -18,7 +18,9 @@ from cayley.steppers.calls import call_kernel, call_setup
 from cayley.steppers.dense import factorize, solve_factorized
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+QUICK_ITERATIONS = 20
 ITERATIONS = 60
+"""Most iterations of the first try of a step, and of the careful second one."""
 STEP_TOLERANCE = 1e-9
 """Newton stops when its last correction is this small: the next would be about its square."""
 FLOOR = 1e-6
@@ -27,6 +29,8 @@ LARGEST_TURN = 1.0
 """Longest correction of a rotation in one iteration [rad]."""
 LARGEST_GROWTH = 2.0
 """A correction this many times the one before is too long."""
+WILD_GROWTH = 10.0
+"""The quick first try of a step is given up when a correction is this many times the one before."""
 SMALLEST_PART = 0.02
 """Smallest part of a correction that is tried."""
 
@@ -34,14 +38,13 @@ _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 @njit(**_options)
-def advance(calls, rule, mesh, work, state, loads, clock, stride, frames, counts):
+def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, counts):
     """Advance through len(frames) saves of stride steps each; the arguments are those of steppers.galerkin_plan.
 
     Returns: (outcome, number of the save); counts holds iterations in all, most in a step, failed step and node.
     """
-    control, momenta = state[0], state[1]
+    control, momenta, memory = state
     fields, free = mesh[3], mesh[4]
-    before = np.zeros_like(control)
     nodes, last = control.shape[0], control.shape[1] - 1
     rows = control.shape[2]
     for save in range(frames.shape[0]):
@@ -49,15 +52,17 @@ def advance(calls, rule, mesh, work, state, loads, clock, stride, frames, counts
             number = save * stride + j
             begin = clock[0] + (clock[2] + number) * clock[1]
             solved = False
-            for attempt in range(2):  # the second time from the safest start, the state itself
-                if attempt == 0 and j > 0:
-                    _extrapolate(control, before, rule[3], fields)
-                elif attempt == 0:
+            for attempt in range(3):  # then with care, then with care from the safest start, the state itself
+                if attempt < 2 and (warm or number > 0):
+                    _extrapolate(control, memory, rule[3], fields)
+                elif attempt < 2:
                     _continue(calls, rule, mesh, work, state, begin, clock[1])
                 else:
                     for i in range(1, last + 1):
                         control[:, i] = control[:, 0]
-                passes, worst, solved = _newton(calls, rule, mesh, work, state, loads, number, begin, clock[1])
+                passes, worst, solved = _newton(
+                    calls, rule, mesh, work, state, loads, number, begin, clock[1], attempt > 0
+                )
                 counts[0] += passes
                 counts[1] = max(counts[1], passes)
                 if solved:
@@ -65,7 +70,7 @@ def advance(calls, rule, mesh, work, state, loads, clock, stride, frames, counts
             counts[2], counts[3] = number, worst
             if not solved:
                 return NOT_CONVERGED, save
-            before[:] = control
+            memory[:] = control[:, :last]
             control[:, 0] = control[:, last]
             gamma = work[0]
             for a in range(nodes):
@@ -87,25 +92,26 @@ def advance(calls, rule, mesh, work, state, loads, clock, stride, frames, counts
 
 
 @njit(**_options)
-def _newton(calls, rule, mesh, work, state, loads, number, begin, h):
+def _newton(calls, rule, mesh, work, state, loads, number, begin, h, careful):
     """Solve one step; returns (iterations, node of the largest correction, converged).
 
-    A correction that comes out larger than the one before shows that the last step was too long (the natural
-    monotonicity test of Deuflhard 2004, section 3.3): it is taken back and halved.
+    Stiff structures converge fast but not monotonically, so full corrections come first. The careful second try takes
+    one that makes the next larger for too long (the natural monotonicity test of Deuflhard 2004, section 3.3), takes
+    it back and halves it.
     """
     control, right = state[0], work[5]
     accepted, taken = control.copy(), np.zeros_like(right)
     last, part, worst = math.inf, 1.0, 0
-    for iteration in range(ITERATIONS):
+    for iteration in range(ITERATIONS if careful else QUICK_ITERATIONS):
         _assemble(calls, rule, mesh, work, state, loads, number, begin, h)
         _eliminate(mesh, work)
         size, turn, worst = _measure(mesh, right, control)
-        if not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
+        if careful and not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
             part *= 0.5
             control[:] = accepted
             _move(mesh, taken, control, part)
             continue
-        if not math.isfinite(size):
+        if not math.isfinite(size) or (not careful and size > WILD_GROWTH * last):
             return iteration + 1, worst, False
         accepted[:] = control
         taken[:] = right
@@ -517,14 +523,15 @@ def _continue(calls, rule, mesh, work, state, begin, h):
 
 
 @njit(**_options)
-def _extrapolate(control, before, matrix, fields):
+def _extrapolate(control, memory, matrix, fields):
     """Start from the polynomial of the step before, continued, with its rotations normalized."""
+    last = control.shape[1] - 1
     for a in range(control.shape[0]):
         for i in range(1, control.shape[1]):
             for row in range(control.shape[2]):
-                value = 0.0
-                for k in range(control.shape[1]):
-                    value += matrix[i, k] * before[a, k, row]
+                value = matrix[i, last] * control[a, 0, row]
+                for k in range(last):
+                    value += matrix[i, k] * memory[a, k, row]
                 control[a, i, row] = value
             for f in range(fields.shape[0]):
                 if fields[f, 0]:

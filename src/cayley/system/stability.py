@@ -36,7 +36,8 @@ def stable_dt(system: System, values: np.ndarray, *, enough: float = np.inf) -> 
         return float(2.0 / np.sqrt(bound))
     diagonal, upper = _assemble(system, masses, stiffness, system.free)
     if diagonal.shape[0] * diagonal.shape[1] <= DENSE:
-        return float(2.0 / np.sqrt(_exact(diagonal, upper)))
+        largest = _exact(diagonal, upper)
+        return float(2.0 / np.sqrt(largest)) if largest > 0.0 else float("inf")
     return float(2.0 / np.sqrt(_certify(diagonal, upper, bound)))
 
 

@@ -22,6 +22,8 @@ class State:
         origin: time of step 0 [s].
         step: number of steps taken since.
         h: the time step [s], or 0 before the first.
+        memory: control nodes of the step before, without its last, from which implicit rules guess the next step;
+            None where there is none. Shape (nodes, degree in time, layout.rows).
     """
 
     values: np.ndarray
@@ -29,6 +31,7 @@ class State:
     origin: float = 0.0
     step: int = 0
     h: float = 0.0
+    memory: np.ndarray | None = None
 
     @property
     def time(self) -> float:
@@ -37,7 +40,9 @@ class State:
 
     def at_step(self, h: float) -> "State":
         """The same state as the origin of steps of another size; of the same size up to rounding, the state itself."""
-        return self if math.isclose(h, self.h, rel_tol=1e-9) else replace(self, origin=self.time, step=0, h=h)
+        return (
+            self if math.isclose(h, self.h, rel_tol=1e-9) else replace(self, origin=self.time, step=0, h=h, memory=None)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,11 +149,11 @@ def pack(system: System, state: State) -> np.ndarray:
     for name, row in rows.named.items():
         data[:, row] = 0.0 if name == "length" else 1.0
     data[:, rows.held] = 1.0
-    _scatter(data, rows.values, state.values)
-    _scatter(data, rows.momenta, state.momenta)
-    _scatter(data, rows.held, system.free.astype(float))
+    scatter(data, rows.values, state.values)
+    scatter(data, rows.momenta, state.momenta)
+    scatter(data, rows.held, system.free.astype(float))
     for name, row in rows.named.items():
-        _scatter(data, slice(row, row + 1), np.asarray(system.named[name])[:, None])
+        scatter(data, slice(row, row + 1), np.asarray(system.named[name])[:, None])
     return data
 
 
@@ -166,7 +171,7 @@ def aligned(shape: tuple[int, ...]) -> np.ndarray:
     return raw[start : start + count].reshape(shape)
 
 
-def _scatter(data: np.ndarray, rows: slice, values: np.ndarray) -> None:
+def scatter(data: np.ndarray, rows: slice, values: np.ndarray) -> None:
     """Write values of nodes, shape (nodes, len(rows)), into blocks."""
     nodes, width = values.shape
     lanes = data.shape[2]

@@ -47,10 +47,11 @@ class TimeTable:
     def __call__(self, times: np.ndarray, h: float, origin: float) -> np.ndarray:
         """Values at times [s], shape (m, 3 × loads)."""
         found = np.zeros((len(times), 3 * len(self.loads)))
+        first = np.where(times > origin + 1e-6 * h, times - 0.5 * h, times)  # the run begins with half a step
         for k, (load, function) in enumerate(zip(self.loads, self.functions, strict=True)):
             start = -np.inf if load.start <= origin else load.start
-            inside = np.minimum(times + 0.5 * h, load.until) - np.maximum(times - 0.5 * h, start)
-            part = np.clip(inside / h, 0.0, 1.0)
+            inside = np.minimum(times + 0.5 * h, load.until) - np.maximum(first, start)
+            part = np.clip(inside / (times + 0.5 * h - first), 0.0, 1.0)
             part[part < 1e-9] = 0.0  # a window that ends on a step, up to rounding
             on = np.flatnonzero(part)
             if len(on):

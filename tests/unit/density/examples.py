@@ -67,6 +67,24 @@ def quartic_top(q, c):
     )
 
 
+@cy.lagrangian(p=cy.Rotation())
+def gyrostat(q, c):
+    """A body with a flywheel: a term linear in ω, and nothing that knows the frame."""
+    return 0.5 * q.p_t @ c.inertia @ q.p_t + c.spin @ q.p_t
+
+
+@cy.lagrangian(p=cy.Rotation())
+def quartic_spin(q, c):
+    """A momentum that is not linear in ω, without the frame."""
+    return 0.5 * q.p_t @ c.inertia @ q.p_t + c.quartic * (q.p_t @ q.p_t) ** 2
+
+
+@cy.lagrangian(p=cy.Rotation(), r=cy.Rotation())
+def coupled_spins(q, c):
+    """Two rotations whose body velocities share a kinetic energy, without their frames."""
+    return 0.5 * q.p_t @ c.inertia @ q.p_t + 0.5 * q.r_t @ c.inertia @ q.r_t + 0.3 * q.p_t @ c.inertia @ q.r_t
+
+
 @cy.lagrangian(x=cy.Vector(1))
 def driven(q, c):
     """Explicit in time, in the inertia as well as in the load."""
@@ -109,6 +127,9 @@ EXAMPLES = {
     "quartic_top": Example(
         quartic_top, dict(inertia=INERTIA, quartic=0.05, weight=3.0, spin=np.array([0.3, 0.1, -0.5]))
     ),
+    "gyrostat": Example(gyrostat, dict(inertia=INERTIA, spin=np.array([0.3, 0.1, -0.5]))),
+    "quartic_spin": Example(quartic_spin, dict(inertia=INERTIA, quartic=0.05)),
+    "coupled_spins": Example(coupled_spins, dict(inertia=INERTIA)),
     "driven": Example(driven, dict(m=1.0, f=2.0)),
     "mixed": Example(mixed, dict(m=0.9, k=1.4, inertia=np.diag([1.0, 2.0, 3.0, 4.0, 5.0]))),
     "bent": Example(bent, dict(m=0.8, k=1.7, inertia=INERTIA)),

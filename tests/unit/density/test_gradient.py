@@ -115,6 +115,24 @@ def test_square_of_one_plus_velocity_is_split():
     assert_allclose(found["load"]["x"], -1.3 * x, rtol=1e-14)
 
 
+def test_sums_of_every_form():
+    """Terms are found behind signs, doublings and constant factors."""
+
+    @cy.lagrangian(x=cy.Vector(2), s=cy.Interval)
+    def tangled(q, c):
+        v, u, w = q.x_t[0] ** 2, np.cos(q.x[0]), q.x_s[1] ** 2
+        mixed = -(0.25 * (u - w) - 0.5 * v)
+        return mixed + mixed - 3.0 * (-(q.x_t[1] ** 2) + 0.5 * (w + u)) - (-u)
+
+    example = Example(tangled, {})
+    point = random_point(tangled, np.random.default_rng(9))
+    v, u, w = point["x_t"] ** 2, np.cos(point["x"][0]), point["x_s"][1] ** 2
+    part = values(example, point)
+    assert_allclose(part["inertia"], v[0] + 3.0 * v[1], rtol=1e-14)
+    assert_allclose(part["strain"], w, rtol=1e-14)
+    assert_allclose(part["load"], u, rtol=1e-14)
+
+
 def test_gyroscopic_momentum_at_rest():
     """∂L/∂ẋ of a charge at rest is ½ e B × x, and its gradient in x is there although T vanishes."""
     example = EXAMPLES["charge"]

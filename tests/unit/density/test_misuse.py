@@ -105,8 +105,8 @@ class TestBody:
     def test_unknown_constant_with_suggestion(self):
         refused(
             ValueError,
-            lambda: trace(of(lambda q, c: c.stifness), {"stiffness": 1.0}),
-            "Lagrangian mine: unknown constant c.stifness",
+            lambda: trace(of(lambda q, c: c.stiff), {"stiffness": 1.0}),
+            "Lagrangian mine: unknown constant c.stiff",
             "did you mean stiffness?",
         )
 

@@ -60,12 +60,13 @@ def interpret(program: Program, data: np.ndarray, uniforms: np.ndarray, first: i
             if isinstance(step, Carry):
                 _carry(step, known, data, block)
             else:
-                good &= all([solve([step], lane) for lane in known])
-        results = [ca.SX.sym(f"store_{row}") for row, _ in program.stores]
+                results = [solve([step], lane) for lane in known]  # every lane, also behind one that fails
+                good &= all(results)
+        outcomes = [ca.SX.sym(f"store_{row}") for row, _ in program.stores]
         for lane, names in enumerate(known):
-            assign(results, [value for _, value in program.stores], names)
-            for (row, _), result in zip(program.stores, results, strict=True):
-                data[block, row, lane] = names[result.name()]
+            assign(outcomes, [value for _, value in program.stores], names)
+            for (row, _), outcome in zip(program.stores, outcomes, strict=True):
+                data[block, row, lane] = names[outcome.name()]
         failed += not good
     return failed
 

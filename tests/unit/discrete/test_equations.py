@@ -129,7 +129,6 @@ def test_slopes_times_velocities_of_another_field_too():
         derive(trace(coupled, {}), nodal)
 
 
-@pytest.mark.xfail(strict=True, reason="a density without any strain term makes an empty Carry", raises=TypeError)
 def test_density_without_strain():
     @cy.lagrangian(x=cy.Vector(1), s=cy.Interval)
     def dust(q, c):

@@ -1,5 +1,7 @@
 """Rods and models for tests: small, soft, of several sections and lengths."""
 
+import itertools
+
 import numpy as np
 
 import cayley as cy
@@ -35,7 +37,7 @@ def three_rods() -> tuple[cy.Model, list[cy.Model]]:
         [loads.moment(c.node(3), lambda t: np.array([0.0, 0.1 * np.sin(30 * t), 0.05]))],
     ]
     weight = loads.gravity((0, 0, -9.81))
-    together = cy.Model(a, b, c, supports=sum(held, []), loads=[weight, *sum(acting, [])])
+    together = cy.Model(a, b, c, supports=[*itertools.chain(*held)], loads=[weight, *itertools.chain(*acting)])
     alone = [
         cy.Model(r, supports=s, loads=[weight, *extra]) for r, s, extra in zip((a, b, c), held, acting, strict=True)
     ]

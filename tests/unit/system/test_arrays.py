@@ -88,8 +88,8 @@ def test_rods_stand_one_after_the_other(rotation):
     system = discretize(model, verlet, rotation=rotation)
     layout = system.layout
     assert system.chains == (11, 6, 18)
-    assert [(s.start, s.stop) for s in spans(model)] == [(0, 11), (11, 17), (17, 35)]
-    for rod, nodes in zip(model.rods, spans(model), strict=True):
+    assert [(s.start, s.stop) for s in spans(model, 1)] == [(0, 11), (11, 17), (17, 35)]
+    for rod, nodes in zip(model.rods, spans(model, 1), strict=True):
         assert_allclose(system.reference[nodes, layout.rows_of("x")], rod.positions)
         assert_allclose(system.named["weight"][nodes].sum(), rod.length)
         assert system.named["length"][nodes][-1] == 0.0

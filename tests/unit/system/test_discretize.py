@@ -31,7 +31,7 @@ def test_supports_hold_single_components():
 def test_supports_find_their_rod():
     model, _ = three_rods()
     free = discretize(model, verlet).free
-    a, b, c = spans(model)
+    a, b, c = spans(model, 1)
     assert np.flatnonzero(~free.all(axis=1)).tolist() == [a.start, b.start, b.stop - 1]
     assert free[c].all()
 
@@ -65,7 +65,7 @@ def test_weight_alone_is_no_entry():
 def test_initial_values_of_all_kinds():
     model, _ = three_rods()
     system = discretize(model, verlet)
-    a, b, c = spans(model)
+    a, b, c = spans(model, 1)
     turn = np.array([np.cos(0.2), np.sin(0.2), 0.0, 0.0])
     values, velocity, momenta = initial_values(
         model,

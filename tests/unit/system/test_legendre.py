@@ -46,3 +46,15 @@ def test_held_components_have_no_momentum():
     state = initial_state(system, system.reference, np.ones((3, 3)), time=2.5)
     assert_allclose(state.momenta, [[0.0] * 3, [0.0] * 3, [0.1 * 0.25] * 3])
     assert (state.time, state.step) == (2.5, 0)
+
+
+def test_velocity_of_a_held_field_moves_nothing():
+    """ẋ couples with ω in the kinetic energy; held, it takes no part in the angular momentum."""
+    body, constants = EXAMPLES["offset_body"]
+    for held, expected in (({}, False), ({"x": 0}, True)):
+        system = cy.compile(body, rule=verlet, constants=constants, held=held)
+        momenta = [
+            initial_state(system, system.reference, np.array([[0.1, 0.2, 0.3, *v]])).momenta
+            for v in ((0.0, 0.0, 0.0), (1.0, -2.0, 3.0))
+        ]
+        assert np.array_equal(momenta[0][:, :3], momenta[1][:, :3]) == expected

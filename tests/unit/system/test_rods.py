@@ -31,7 +31,7 @@ def test_different_rods(rule, rotation):
 
 @pytest.mark.parametrize("place", ["first", "last"])
 def test_equal_rods_bit_for_bit(place):
-    """Same section and element length, none held: the same instructions and bits wherever the rod stands in the lanes."""
+    """Same section and element length, none held: the same bits wherever the rod stands in the lanes."""
     rod = round_rod(9, length=9 / 8, name="rod")
     others = [round_rod(n, length=n / 8, origin=(0, k, 0), name=f"other{k}") for k, n in ((1, 4), (2, 1), (3, 13))]
     acting = [loads.gravity((0, 0, -9.81)), loads.force(rod.end, (0.1, 0.2, 0.3))]

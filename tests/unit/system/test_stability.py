@@ -169,9 +169,6 @@ def test_enough_is_enough():
         assert found >= min(part, 1.0) * sharp * (1.0 - 1e-9)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="elements are taken for congruent when inputs differ by less than 1e-12 in SI units"
-)
 def test_limit_knows_the_smallest_inertia():
     """Two threads that differ only in their tiny rotary inertia: the smaller one decides, whichever comes first."""
 
@@ -249,6 +246,5 @@ def inverted(q, c):
     return 0.5 * q.x_t[0] ** 2 + 0.5 * q.x[0] ** 2
 
 
-@pytest.mark.xfail(strict=True, reason="a negative largest eigenvalue goes into a square root", raises=RuntimeWarning)
 def test_nothing_but_growth_has_no_limit():
     assert cy.compile(inverted, rule=nodal).stable_dt() == np.inf

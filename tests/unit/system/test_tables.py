@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from cayley import loads
+from cayley.discrete.rules import gauss
 from cayley.system.tables import _traced, time_table
 from unit.system.rods import round_rod
 
@@ -43,6 +44,48 @@ def test_load_that_starts_with_the_run_acts_from_its_first_moment(h, origin, bef
     force = loads.force(ROD.end, (0.0, 1.0, 0.0), start=origin - before, until=origin + length * h)
     found = impulse(time_table([force]), h, math.ceil(length) + 2, origin)
     assert_allclose(found, [0.0, length * h, 0.0], rtol=1e-8, atol=1e-9 * h)
+
+
+def test_load_that_starts_within_the_first_half_step():
+    force = loads.force(ROD.end, (1.0, 0.0, 0.0), start=0.02, until=0.5)
+    assert impulse(time_table([force]), 0.1, 7, 0.0)[0] == pytest.approx(0.48, rel=1e-9)
+
+
+@given(
+    h=st.floats(1e-4, 0.3),
+    origin=st.floats(-1.0, 1.0),
+    begin=st.floats(-3.0, 5.0),
+    length=st.floats(1e-3, 20.0),
+    stages=st.integers(1, 4),
+)
+def test_impulse_of_implicit_rules_is_exact(h, origin, begin, length, stages):
+    """Gauss points of a step share what the window leaves of it."""
+    start, until = origin + begin * h, origin + (begin + length) * h
+    force = loads.force(ROD.end, (2.0, 0.0, -1.0), start=start, until=until)
+    points = gauss(stages)
+    steps = math.ceil(max(begin + length, 0.0)) + 1
+    times = origin + h * (np.arange(steps)[:, None] + np.asarray(points.at))
+    found = time_table([force]).at_stages(times, h, origin)
+    assert found.shape == (steps, stages, 3)
+    inside = max(until - max(start, origin), 0.0)
+    impulse = h * np.einsum("s,jsk->k", np.asarray(points.weights), found)
+    assert_allclose(impulse, np.array([2.0, 0.0, -1.0]) * inside, rtol=1e-8, atol=1e-8 * h)
+
+
+def test_stages_take_the_function_at_their_times():
+    points = gauss(3)
+    times = 0.1 * (np.arange(5)[:, None] + np.asarray(points.at))
+    found = time_table([loads.force(ROD.end, lambda t: (t, t**2, 1.0))]).at_stages(times, 0.1, 0.0)
+    assert_allclose(found, np.stack([times, times**2, np.ones_like(times)], axis=-1), rtol=1e-14)
+
+
+@pytest.mark.parametrize("last", range(1, 12))
+def test_stages_of_a_window_that_ends_on_a_step(last):
+    """The steps behind it get nothing, not even rounding errors."""
+    times = 0.1 * (np.arange(13)[:, None] + np.asarray(gauss(2).at))
+    found = time_table([loads.force(ROD.end, (1.0, 1.0, 1.0), until=last / 10)]).at_stages(times, 0.1, 0.0)
+    assert_allclose(found[:last], 1.0)
+    assert not np.any(found[last:])
 
 
 def test_window_that_ends_on_a_step():

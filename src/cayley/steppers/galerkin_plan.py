@@ -1,19 +1,14 @@
-"""Run a system of an implicit rule from frame to frame: interpolation tables, mesh and work arrays for the driver."""
+"""What the driver of Galerkin rules works on: interpolation tables, mesh and work arrays."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
-from cayley.discrete.rules import Points, lobatto
+from cayley.discrete.rules import Points, lagrange, lobatto
 from cayley.steppers import galerkin
-from cayley.steppers.outcome import Outcome, Result
+from cayley.steppers.outcome import Outcome
 from cayley.system.system import State, System, aligned
-
-CHUNK = 2_000
-"""Most steps in one call of the driver."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +21,7 @@ class Plan:
             of the control nodes.
         mesh: weights of nodes; elements; block and place of each node; fields; free; size of each block; whether
             derivatives scale with 1/length; chains of blocks; 1/extent.
-        entries: (node, row, row of rotation, form, column, is moment) per loaded node, shape (k, 6).
+        entries: loaded nodes (see load_entries), shape (k, 7).
         scales: their factors.
     """
 
@@ -37,43 +32,6 @@ class Plan:
     scales: np.ndarray
 
 
-def run(
-    system: System,
-    state: State,
-    *,
-    stride: int,
-    saves: int,
-    receive: Callable[[np.ndarray, np.ndarray], None],
-    progress: Callable[[float, float], None] | None = None,
-) -> Result:
-    """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
-    plan = make_plan(system, state)
-    rows = system.layout.rows
-    done = 0
-    while done < saves:
-        count = max(1, min(saves - done, CHUNK // stride))
-        frames = np.empty((count, system.size, rows + system.layout.dofs))
-        outcome, reached, counts = _advance(system, plan, state, stride, frames)
-        if reached:
-            values, momenta = frames[:reached, :, :rows], frames[:reached, :, rows:]
-            receive(values.copy(), momenta.copy())
-            last = state.step + reached * stride
-            state = replace(state, values=values[-1].copy(), momenta=momenta[-1].copy(), step=last)
-        if outcome is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]))
-        done += count
-        if progress is not None:
-            progress(done / saves, state.time)
-    return Result(Outcome.FINISHED, state, state.step)
-
-
-def prepare(system: System) -> None:
-    """Compile or load everything a run of the system calls."""
-    state = State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs)), h=1.0)
-    frames = np.empty((0, system.size, system.layout.rows + system.layout.dofs))
-    _advance(system, make_plan(system, state), state, 1, frames)
-
-
 def make_plan(system: System, state: State) -> Plan:
     """Interpolation, mesh and kernels of a system."""
     equations, layout = system.equations, system.layout
@@ -82,11 +40,7 @@ def make_plan(system: System, state: State) -> Plan:
     ell, dell = lagrange(ends, rule.time.at)
     onward, _ = lagrange(ends, [1.0 + tau for tau in ends])
     phi, psi, heavy, scaled = _in_space(rule.strain)
-    kinds = [
-        (n in layout.rotations, layout.rows_of(n).start, layout.dofs_of(n).start, k.size)
-        for n, k in layout.fields.items()
-    ]
-    fields = np.array(kinds, dtype=np.int64)
+    fields = field_table(system)
     width, degree = layout.dofs * len(rule.time.at), rule.degree
     places, chains, active, elements = [], [], [], []
     start = block = 0
@@ -104,10 +58,6 @@ def make_plan(system: System, state: State) -> Plan:
             length = float(system.named["length"][node : node + degree].sum())
             elements.append((node, length, 1.0 / length))
         start += count
-    extent = np.ptp(state.values, axis=0)
-    reach = max(
-        (float(extent[layout.rows_of(n)].max()) for n in layout.fields if n not in layout.rotations), default=0.0
-    )
     mesh = (
         np.ascontiguousarray(system.named["weight"]),
         np.array(elements, dtype=float).reshape(-1, 3),
@@ -117,33 +67,65 @@ def make_plan(system: System, state: State) -> Plan:
         np.array(active, dtype=np.int64),
         scaled,
         np.array(chains, dtype=np.int64),
-        np.array([1.0 / reach if reach > 0.0 else 1.0]),
+        np.array([1.0 / reach(system)]),
     )
     names = ("inertia_point", "strain_point" if elements else "inertia_point")
     calls = np.array([(system.kernels[n].run, system.kernels[n].setup) for n in names], dtype=np.int64)
     weights = np.array(rule.time.weights)
     tables = (ell, dell, weights, onward, phi, psi, heavy, np.array(rule.time.at), ends)
-    entries, scales = np.zeros((0, 6), dtype=np.int64), np.zeros(0)
-    if system.loads is not None:
-        loads = system.loads
-        row_of_dof = {layout.dofs_of(n).start: layout.rows_of(n).start for n in layout.fields}
-        moments = {layout.dofs_of(n).start for n in layout.rotations}
-        row = [row_of_dof[int(d)] for d in loads.dof]
-        moment = [int(int(d) in moments) for d in loads.dof]
-        entries = np.column_stack([loads.node, row, loads.turn, loads.form, loads.column, moment]).astype(np.int64)
-        scales = np.ascontiguousarray(loads.scale)
+    entries, scales = load_entries(system)
     return Plan(calls, tables, mesh, entries, scales)
 
 
-def lagrange(nodes: np.ndarray, at: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Lagrange polynomials of the nodes and their derivatives, shape (len(at), len(nodes)) each."""
-    basis = []
-    for i, node in enumerate(nodes):
-        others = np.delete(nodes, i)
-        basis.append(Polynomial.fromroots(others) / float(np.prod(node - others)) if len(others) else Polynomial([1.0]))
-    points = np.asarray(at, dtype=float)
-    values = np.column_stack([p(points) for p in basis])
-    return np.ascontiguousarray(values), np.ascontiguousarray(np.column_stack([p.deriv()(points) for p in basis]))
+def field_table(system: System) -> np.ndarray:
+    """(is rotation, first row, first dof, size) of every field, shape (f, 4)."""
+    layout = system.layout
+    kinds = [
+        (name in layout.rotations, layout.rows_of(name).start, layout.dofs_of(name).start, kind.size)
+        for name, kind in layout.fields.items()
+    ]
+    return np.array(kinds, dtype=np.int64)
+
+
+def recall(system: System, state: State) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Momenta, memory of the step before, and whether there is one."""
+    shape = (system.size, len(system.equations.rule.time.at), system.layout.rows)
+    if state.memory is None or state.memory.shape != shape:
+        return state.momenta.copy(), np.zeros(shape), False
+    return state.momenta.copy(), state.memory.copy(), True
+
+
+def reach(system: System) -> float:
+    """Extent of the reference: what a correction of vectors is measured by; 1 where everything is at one place."""
+    layout = system.layout
+    extent = np.ptp(system.reference, axis=0)
+    vectors = [name for name in layout.fields if name not in layout.rotations]
+    found = max((float(extent[layout.rows_of(name)].max()) for name in vectors), default=0.0)
+    return found if found > 0.0 else 1.0
+
+
+def stage_table(system: System, state: State, stages: np.ndarray, steps: int) -> np.ndarray:
+    """Values of the time-dependent loads at the stages of the next steps, shape (steps, stages, columns)."""
+    if system.loads is None:
+        return np.zeros((1, 1, 1))
+    times = state.origin + (state.step + np.arange(max(steps, 1))[:, None] + stages[None]) * state.h
+    return np.ascontiguousarray(system.loads.table.at_stages(times, state.h, state.origin))
+
+
+def load_entries(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Loaded nodes for implicit drivers.
+
+    Returns: (node, row, row of rotation, form, column, is moment, dof) per entry, shape (k, 7), and their factors (k,).
+    """
+    loads, layout = system.loads, system.layout
+    if loads is None:
+        return np.zeros((0, 7), dtype=np.int64), np.zeros(0)
+    row_of_dof = {layout.dofs_of(n).start: layout.rows_of(n).start for n in layout.fields}
+    moments = {layout.dofs_of(n).start for n in layout.rotations}
+    row = [row_of_dof[int(d)] for d in loads.dof]
+    moment = [int(int(d) in moments) for d in loads.dof]
+    columns = [loads.node, np.array(row), loads.turn, loads.form, loads.column, np.array(moment), loads.dof]
+    return np.column_stack(columns).astype(np.int64), np.ascontiguousarray(loads.scale)
 
 
 def _in_space(strain: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
@@ -154,19 +136,15 @@ def _in_space(strain: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]
     return phi, psi, np.array(strain.weights), True
 
 
-def _advance(
+def advance(
     system: System, plan: Plan, state: State, stride: int, frames: np.ndarray
-) -> tuple[Outcome, int, np.ndarray]:
-    """One call of the driver."""
+) -> tuple[Outcome, int, np.ndarray, np.ndarray]:
+    """One call of the driver; returns the outcome, the frames reached, counts (see steppers.galerkin) and memory."""
     layout, lanes = system.layout, system.kernels.lanes
     stages, order, steps = len(plan.rule[2]), plan.rule[0].shape[1], len(frames) * stride
-    if system.loads is None:
-        table = np.zeros((1, 1, 1))
-    else:
-        times = state.origin + (state.step + np.arange(max(steps, 1))[:, None] + plan.rule[7][None]) * state.h
-        table = np.ascontiguousarray(system.loads.table.at_stages(times, state.h, state.origin))
+    table = stage_table(system, state, plan.rule[7], steps)
     control = np.repeat(state.values[:, None, :], order, axis=1)
-    momenta = state.momenta.copy()
+    momenta, memory, warm = recall(system, state)
     blocks, width = plan.mesh[5].shape[0], layout.dofs * stages * system.equations.rule.degree
     work = (
         np.zeros((system.size, order, layout.rows)),
@@ -184,9 +162,9 @@ def _advance(
     clock = np.array([state.origin, state.h, float(state.step)])
     loads = (table, plan.entries, plan.scales)
     code, reached = galerkin.advance(
-        plan.calls, plan.rule, plan.mesh, work, (control, momenta), loads, clock, stride, frames, counts
+        plan.calls, plan.rule, plan.mesh, work, (control, momenta, memory), warm, loads, clock, stride, frames, counts
     )
-    return list(Outcome)[code], reached, counts
+    return list(Outcome)[code], reached, counts, memory
 
 
 def _points(system: System, name: str, nodes: np.ndarray, lanes: int) -> np.ndarray:

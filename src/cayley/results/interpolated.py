@@ -1,0 +1,86 @@
+"""Strain energy and stress resultants of elements of higher degree: at their Gauss points, then at the nodes."""
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+
+from cayley.density.expression import symbols, to_sx
+from cayley.discrete.embedded import embedded_point
+from cayley.discrete.rules import lagrange, lobatto
+from cayley.results.frames import Frames
+from cayley.system.system import System
+
+
+def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Evaluate the strain terms on the polynomials of every element.
+
+    W and ∂W/∂(x′, Ω) are taken at the Gauss points, where they are most accurate; the polynomial through these gives
+    their values at the nodes, the mean of both sides where elements meet.
+
+    Args:
+        system: a system whose rule has a degree above 1 along the interval.
+        frames: its saved states.
+
+    Returns: strain energy (m,) [J]; resultants in the paper's sign (m, nodes, dofs), as of results.resultants;
+    derivatives x′ and Ω between nodes, each at the left one of two (m, nodes, dofs).
+    """
+    strain, degree = system.equations.rule.strain, system.equations.rule.degree
+    nodes = lobatto(degree)
+    at_gauss, slope_at_gauss = lagrange(nodes, strain.at)
+    to_nodes, _ = lagrange(np.array(strain.at), nodes)
+    middles = 0.5 * (nodes[1:] + nodes[:-1])
+    at_middle, slope_at_middle = lagrange(nodes, middles)
+    energy = np.zeros(len(frames.times))
+    found = np.zeros((len(frames.times), system.size, system.layout.dofs))
+    slopes, shares = np.zeros_like(found), np.zeros(system.size)
+    evaluate = _term(system)
+    start = 0
+    for count in system.chains:
+        for first in range(start, start + count - 1, degree):
+            own = slice(first, first + degree + 1)
+            length = float(system.named["length"][first : first + degree].sum())
+            values = frames.values[:, own]
+            inputs = (
+                np.einsum("ga,tar->tgr", at_gauss, values),
+                np.einsum("ga,tar->tgr", slope_at_gauss, values) / length,
+            )
+            density, stress, _ = evaluate(*inputs, first, frames.times)
+            energy += length * density @ np.array(strain.weights)
+            found[:, own] -= np.einsum("ng,tgd->tnd", to_nodes, stress)
+            shares[own] += 1.0
+            inputs = (
+                np.einsum("ga,tar->tgr", at_middle, values),
+                np.einsum("ga,tar->tgr", slope_at_middle, values) / length,
+            )
+            slopes[:, first : first + degree] = evaluate(*inputs, first, frames.times)[2]
+        start += count
+    return energy, found / shares[None, :, None], slopes
+
+
+def _term(system: System) -> Callable[[np.ndarray, np.ndarray, int, np.ndarray], list[np.ndarray]]:
+    """W, its derivatives with respect to x′ and Ω, and these themselves, at points (m, g, rows)."""
+    density, layout = system.equations.density, system.layout
+    along = str(density.lagrangian.interval)
+    z, slope, here, t = symbols("z", layout.rows), symbols("dz", layout.rows), symbols("here"), symbols("t")
+    point = embedded_point(layout, z, slope, along) | {along: here, "t": t}
+    gradient = density.gradient("strain", point)
+    stress = ca.vertcat(*[to_sx(gradient[f"{name}_{along}"]) for name in layout.fields])
+    slopes = ca.vertcat(*[to_sx(point[f"{name}_{along}"]) for name in layout.fields])
+    inputs = ca.vertcat(*[to_sx(e) for e in (z, slope, here, t)], density.parameters)
+    outputs = [density.value("strain", point), ca.densify(stress), ca.densify(slopes)]
+    function = ca.Function("strain", [inputs], outputs)
+    known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
+
+    def evaluate(values: np.ndarray, slopes: np.ndarray, node: int, times: np.ndarray) -> list[np.ndarray]:
+        frames, points, _ = values.shape
+        constants = [system.named[n][node] if n in system.named else known[n] for n in density.names]
+        rest = np.broadcast_to(
+            [system.named["here"][node], 0.0, *constants], (frames, points, 2 + len(constants))
+        ).copy()
+        rest[:, :, 1] = times[:, None]
+        columns = np.concatenate([values, slopes, rest], axis=2).reshape(frames * points, -1)
+        one, stress, slope = (np.asarray(m).T.reshape(frames, points, -1) for m in function(columns.T))
+        return [one[:, :, 0], stress, slope]
+
+    return evaluate
