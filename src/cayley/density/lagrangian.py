@@ -17,6 +17,7 @@ class Lagrangian:
         fields: the fields by name, in order.
         interval: name of the interval's coordinate, or None for a system without one.
         name: name used in messages and listings.
+        pose: a rotation and a vector of size 3 that together are the pose of a frame, for the screw rules; or None.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), section 4.
     """
@@ -25,6 +26,7 @@ class Lagrangian:
     fields: Mapping[str, Field]
     interval: str | None
     name: str
+    pose: tuple[str, str] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -42,13 +44,16 @@ class Lagrangian:
         return f"Lagrangian {self.name} ({', '.join(kinds)}){place}"
 
 
-def lagrangian(**fields: Any) -> Callable[[Callable[[Any, Any], Any]], Lagrangian]:
+def lagrangian(
+    *, pose: tuple[str, str] | None = None, **fields: Any
+) -> Callable[[Callable[[Any, Any], Any]], Lagrangian]:
     """Declare the fields of a Lagrangian written as a function of q and c.
 
     L = f(q, c), with q.x, q.x_t = ẋ, q.x_s = x′, q.p (a rotation), q.p_t = ω = 2 p̄ ṗ, q.p_s = Ω = 2 p̄ p′, q.s, q.t
     and constants c.name. With an interval, L is a density per length [J/m]; without one, an energy [J].
 
     Args:
+        pose: names of a rotation and of a vector of size 3 that together are a frame's pose; the screw rules need it.
         fields: name=cy.Rotation(), name=cy.Vector(n), and at most one name=cy.Interval.
 
     Returns: a decorator that makes a Lagrangian of the function.
@@ -74,13 +79,21 @@ def lagrangian(**fields: Any) -> Callable[[Callable[[Any, Any], Any]], Lagrangia
     if not declared:
         raise TypeError("lagrangian: no field declared; give at least one, such as x=cy.Vector(3)")
 
+    if pose is not None and not _is_pose(pose, declared):
+        raise TypeError(f"lagrangian: pose is {pose!r}; give the names of a rotation and of a vector of size 3")
+
     def decorate(function: Callable[[Any, Any], Any]) -> Lagrangian:
         if not callable(function) or len(inspect.signature(function).parameters) != 2:
             raise TypeError(f"lagrangian: {function!r} must be a function of (q, c)")
-        made = Lagrangian(function, declared, interval, getattr(function, "__name__", "L"))
+        made = Lagrangian(function, declared, interval, getattr(function, "__name__", "L"), pose)
         twice = sorted(n for n in set(made.names) if made.names.count(n) > 1)
         if twice:
             raise TypeError(f"lagrangian {made.name}: the name {twice[0]} has two meanings; rename a field")
         return made
 
     return decorate
+
+
+def _is_pose(pose: Any, declared: Mapping[str, Field]) -> bool:
+    two = isinstance(pose, tuple) and len(pose) == 2
+    return two and isinstance(declared.get(pose[0]), Rotation) and declared.get(pose[1]) == Vector(3)

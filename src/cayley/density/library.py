@@ -11,7 +11,7 @@ from cayley.density.lagrangian import lagrangian
 E1, E2, E3 = np.eye(3)
 
 
-@lagrangian(p=Rotation(), x=Vector(3), s=Interval)
+@lagrangian(p=Rotation(), x=Vector(3), s=Interval, pose=("p", "x"))
 def rod(q: Any, c: Any) -> Any:
     """Geometrically exact (Simo-Reissner) rod.
 

@@ -44,7 +44,7 @@ def point_program(
     if name == "inertia_point":
         point = embedded_point(layout, z, slope, "t") | place
         value = density.value("inertia", point) - density.value("load", point)
-    elif points is not None and points.corners:
+    elif points is not None and points.between_ends:
         ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here)}
         value = element_energy(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
     else:

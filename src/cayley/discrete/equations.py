@@ -130,6 +130,10 @@ def derive(
     lagrangian = density.lagrangian
     along = lagrangian.interval
     slopes = [f"{name}_{along}" for name in lagrangian.fields] if along else []
+    if rule.strain.screw and along and lagrangian.pose is None:
+        raise ValueError(
+            f"Lagrangian {lagrangian.name}: the rule {rule} is for a pose; declare one, such as pose=('p', 'x')"
+        )
     if slopes and density.depends("inertia", *slopes):
         raise ValueError(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "

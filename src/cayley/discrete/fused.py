@@ -72,7 +72,7 @@ def fused_program(density: Density, layout: Layout, points: Points, varying: tup
     Args:
         density: the density.
         layout: rows of a node, rotations as quaternions.
-        points: where the strain terms stand along an element: corners or middle.
+        points: where the strain terms stand along an element: corners, middle or screw.
         varying: names of constants that differ from node to node.
     """
     rows = fused_rows(density, layout, varying)
@@ -135,7 +135,7 @@ def _element(density, layout, points, ends, other, named, h, t):  # type: ignore
     along = str(density.lagrangian.interval)
     left, right = symbols("zl", layout.rows), symbols("zr", layout.rows)
     inverse, here, length = wrap(named["inverse"]), wrap(named["here"]), named["length"]
-    if points.corners:
+    if points.between_ends:
         place = {"inverse": inverse, "t": wrap(t), "left": here, "right": here + 1.0 / inverse}
         value = element_energy(density, points, layout, (normalized(layout, left), normalized(layout, right)), place)
     else:

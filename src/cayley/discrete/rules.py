@@ -17,6 +17,7 @@ class Points:
         weights: quadrature weights, of sum 1.
         corners: True where values are those of the corners and derivatives difference quotients between them
             (ω = (2/h) Im(p̄ p⁺)); False where both come from the normalized polynomial through the nodes.
+        screw: True where the strain of an element is that of the screw motion between the poses of its ends.
 
     Raises:
         ValueError: if positions and weights do not match or the weights do not sum to 1.
@@ -26,6 +27,12 @@ class Points:
     at: tuple[float, ...]
     weights: tuple[float, ...]
     corners: bool
+    screw: bool = False
+
+    @property
+    def between_ends(self) -> bool:
+        """Whether the points are about two end nodes as they are, not about a polynomial."""
+        return self.corners or self.screw
 
     def __post_init__(self) -> None:
         """Check the weights."""
@@ -69,6 +76,7 @@ def lagrange(nodes: np.ndarray, at: Any) -> tuple[np.ndarray, np.ndarray]:
 
 CORNERS = Points("corners", (0.0, 1.0), (0.5, 0.5), corners=True)
 MIDDLE = gauss(1)
+SCREW = Points("screw", (0.5,), (1.0,), corners=False, screw=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +108,7 @@ class Rule:
     @property
     def degree(self) -> int:
         """Degree of the polynomials in space: nodes of an element less one."""
-        return 1 if self.strain.corners else len(self.strain.at)
+        return 1 if self.strain.between_ends else len(self.strain.at)
 
     def __str__(self) -> str:
         """Name the rule."""
@@ -119,7 +127,14 @@ midpoint = Rule("midpoint", time=MIDDLE, strain=MIDDLE)
 nodal_midpoint = Rule("nodal_midpoint", time=MIDDLE, strain=CORNERS)
 """Corners in space, middle in time (the paper's footnote 1): locks like nodal, without its step limit."""
 
-RULES = {rule.name: rule for rule in (nodal, verlet, midpoint, nodal_midpoint)}
+screw = Rule("screw", time=CORNERS, strain=SCREW)
+"""Strain of the screw motion between the poses of an element's ends (Demoures et al. 2015, Hante et al. 2021): constant
+along the element, so nothing locks and circles and helices are exact with any number of elements. Explicit-like."""
+
+screw_midpoint = Rule("screw_midpoint", time=MIDDLE, strain=SCREW)
+"""The same, middle in time: implicit."""
+
+RULES = {rule.name: rule for rule in (nodal, verlet, midpoint, nodal_midpoint, screw, screw_midpoint)}
 
 
 def by_name(name: str) -> Rule:

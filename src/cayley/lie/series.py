@@ -22,6 +22,7 @@ _COTANGENT = [(-1) ** k * (2 * k + 2) / (4**k * factorial(2 * k + 3)) for k in _
 
 NEAR_TANGENT = 1 / 32
 """tan² below which the series of the inverse tangent is summed; its first term left out is below 2e-18."""
+_DEFECT = [(-1) ** k / (2 * k + 3) for k in range(13)]
 _ARCTAN = [(-1) ** k / (2 * k + 1) for k in range(11)]
 
 
@@ -72,6 +73,23 @@ def arctan_ratio(u: Array) -> Array:
         return branch.arctan(y) / y
 
     return branch.switch(u, NEAR_TANGENT, lambda u: _horner(_ARCTAN, u), far)
+
+
+def arctan_defect(u: Array) -> Array:
+    """(1 - arctan(y) / y) / y² of u = y² <= 1; 1/3 at zero.
+
+    One formula for all arguments, so that symbols stay small under differentiation: the angle is halved twice, and the
+    series of what is left summed. With s = √(1 + u), B(u) = (1 + 2 B(u/(1 + s)²)/(1 + s))/(1 + s)².
+    """
+    halved, sides = u, []
+    for _ in range(2):
+        side = 1 + branch.sqrt(1 + halved)
+        sides.append(side)
+        halved = halved / (side * side)
+    found = _horner(_DEFECT, halved)
+    for side in reversed(sides):
+        found = (1 + 2 * found / side) / (side * side)
+    return found
 
 
 def _horner(coefficients: list[float], t: Array) -> Array:

@@ -129,8 +129,8 @@ def load_entries(system: System) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _in_space(strain: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
-    """φ, φ′ and weights of the strain points; for corners the kernel takes the two end nodes as they are."""
-    if strain.corners:
+    """φ, φ′ and weights of the strain points; between ends the kernel takes the two end nodes as they are."""
+    if strain.between_ends:
         return np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]]), np.ones(1), False
     phi, psi = lagrange(lobatto(len(strain.at)), strain.at)
     return phi, psi, np.array(strain.weights), True

@@ -112,3 +112,14 @@ def test_matrix_log_up_to_half_turns(gap, rng):
         np.linalg.norm(back + angle * axes, axis=-1) if gap < 1e-14 else np.inf,
     )
     assert distance.max() < 4e-15
+
+
+def test_defect_of_the_inverse_tangent():
+    """Without a switch: one formula from zero to a turn of π, where tan(θ/4) = 1."""
+    u = np.array([0.0, *np.geomspace(1e-30, 1.0, 400)])
+    with mp.workdps(100):
+        exact = [mp.mpf(1) / 3, *((1 - mp.atan(mp.sqrt(x)) / mp.sqrt(x)) / x for x in map(mp.mpf, u[1:].tolist()))]
+        error = [
+            abs(float(v / e - 1)) for v, e in zip(map(mp.mpf, series.arctan_defect(u).tolist()), exact, strict=True)
+        ]
+    assert max(error) < 1e-15
