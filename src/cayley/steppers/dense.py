@@ -52,6 +52,42 @@ def solve_factorized(lu: np.ndarray, pivots: np.ndarray, b: np.ndarray) -> None:
         b[i] /= lu[i, i]
 
 
+@njit(**_options)
+def solve_columns(lu: np.ndarray, pivots: np.ndarray, b: np.ndarray) -> None:
+    """Solve A X = B in place, row by row of B, so that the inner loop runs over memory in order."""
+    n, width = b.shape
+    for k in range(n):
+        if pivots[k] != k:
+            for j in range(width):
+                b[k, j], b[pivots[k], j] = b[pivots[k], j], b[k, j]
+    for i in range(n):
+        for k in range(i):
+            factor = lu[i, k]
+            if factor != 0.0:
+                for j in range(width):
+                    b[i, j] -= factor * b[k, j]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            factor = lu[i, k]
+            if factor != 0.0:
+                for j in range(width):
+                    b[i, j] -= factor * b[k, j]
+        inverse = 1.0 / lu[i, i]
+        for j in range(width):
+            b[i, j] *= inverse
+
+
+@njit(**_options)
+def subtract_product(out: np.ndarray, a: np.ndarray, b: np.ndarray) -> None:
+    """Subtract A B from a matrix, skipping zeros of A."""
+    for i in range(a.shape[0]):
+        for k in range(a.shape[1]):
+            factor = a[i, k]
+            if factor != 0.0:
+                for j in range(b.shape[1]):
+                    out[i, j] -= factor * b[k, j]
+
+
 @functools.cache
 def chain_solver(n: int) -> Callable[..., None]:
     """A solver of block tridiagonal systems whose blocks have n rows: a size known to the compiler unrolls its loops.

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from cayley.steppers.calls import call_kernel, call_setup
-from cayley.steppers.dense import factorize, solve_factorized
+from cayley.steppers.dense import factorize, solve_columns, solve_factorized, subtract_product
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 QUICK_ITERATIONS = 20
@@ -141,9 +141,9 @@ def _assemble(calls, rule, mesh, work, state, loads, number, begin, h):
     for k in range(stages):
         time = begin + rule[7][k] * h
         _inertia(calls, rule, mesh, work, state, k, time, h)
-        if mesh[1].shape[0]:
-            _strain(calls, rule, mesh, work, k, time, h)
         _push(loads, fields, work, rule, number, k, h * weights[k])
+    if mesh[1].shape[0]:
+        _strain(calls, rule, mesh, work, begin, h)
     dofs, r = momenta.shape[1], control.shape[1] - 1
     moment = np.zeros(dofs)
     for a in range(nodes):
@@ -175,6 +175,7 @@ def _inertia(calls, rule, mesh, work, state, k, time, h):
     """T − U at one stage, contracted with the interpolation in time at every node."""
     ell, dell, weights = rule[0], rule[1], rule[2]
     gamma, stage, diagonal, points = work[0], work[1], work[2], work[6]
+    half, moved, full, _, _, index = work[10]
     control = state[0]
     nodes, order, rows = control.shape[0], control.shape[1], control.shape[2]
     lanes = points.shape[2]
@@ -189,7 +190,6 @@ def _inertia(calls, rule, mesh, work, state, k, time, h):
     _call(calls, work[8], 0, points, time)
     first = points.shape[1] - (1 + 2 * rows + rows * (2 * rows + 1))
     dofs = mesh[4].shape[1]
-    full = np.zeros((rows, rows))
     for a in range(nodes):
         block, lane = a // lanes, a % lanes
         w = h * weights[k] * mesh[0][a]
@@ -201,67 +201,69 @@ def _inertia(calls, rule, mesh, work, state, k, time, h):
             for j in range(1, order):
                 s11, s12 = w * ell[k, i] * ell[k, j], w * ell[k, i] * dell[k, j] / h
                 s21, s22 = w * dell[k, i] * ell[k, j] / h, w * dell[k, i] * dell[k, j] / (h * h)
-                _combine(points, block, lane, first + 1 + 2 * rows, rows, s11, s12, s21, s22, full)
+                _combine(points, block, lane, first + 1 + 2 * rows, index, s11, s12, s21, s22, full)
                 base = mesh[2][a, 1]
+                row, column = base + i * dofs, base + (j - 1) * dofs
                 out = diagonal[mesh[2][a, 0]]
-                _add_trivialized(
-                    full, control[a, i], control[a, j], mesh[3], out, base + i * dofs, base + (j - 1) * dofs
-                )
+                _add_trivialized(full, control[a, i], control[a, j], mesh[3], out, row, column, half, moved)
 
 
 @njit(**_options)
-def _strain(calls, rule, mesh, work, k, time, h):
-    """−W at one stage, contracted with the interpolation in space and time over every element."""
+def _strain(calls, rule, mesh, work, begin, h):
+    """−W at all stages, contracted with the interpolation in space and time over every element."""
     ell, weights, phi, psi, heavy = rule[0], rule[2], rule[4], rule[5], rule[6]
     gamma, stage, diagonal, upper, lower, stretches = work[0], work[1], work[2], work[3], work[4], work[7]
-    control = work[9]
-    elements = mesh[1]
-    scaled = mesh[6]
+    half, moved, full, part, over, index = work[10]
+    control, elements, scaled = work[9], mesh[1], mesh[6]
     gauss, width, rows = phi.shape[0], phi.shape[1], stage.shape[2]
-    lanes = stretches.shape[2]
-    for e in range(elements.shape[0]):
-        start, inverse = int(elements[e, 0]), elements[e, 2] if scaled else 1.0
-        for g in range(gauss):
-            point = e * gauss + g
-            block, lane = point // lanes, point % lanes
-            for row in range(rows):
-                value, slope = 0.0, 0.0
-                for a in range(width):
-                    value += phi[g, a] * stage[start + a, k, row]
-                    slope += psi[g, a] * inverse * stage[start + a, k, row]
-                stretches[block, row, lane] = value
-                stretches[block, rows + row, lane] = slope
-    _call(calls, work[8], 1, stretches, time)
-    first = stretches.shape[1] - (1 + 2 * rows + rows * (2 * rows + 1))
+    stages, lanes = stretches.shape[0], stretches.shape[3]
+    for k in range(stages):
+        for e in range(elements.shape[0]):
+            start, inverse = int(elements[e, 0]), elements[e, 2] if scaled else 1.0
+            for g in range(gauss):
+                point = e * gauss + g
+                block, lane = point // lanes, point % lanes
+                for row in range(rows):
+                    value, slope = 0.0, 0.0
+                    for a in range(width):
+                        value += phi[g, a] * stage[start + a, k, row]
+                        slope += psi[g, a] * inverse * stage[start + a, k, row]
+                    stretches[k, block, row, lane] = value
+                    stretches[k, block, rows + row, lane] = slope
+        _call(calls, work[8], 1, stretches[k], begin + rule[7][k] * h)
+    first = stretches.shape[2] - (1 + 2 * rows + rows * (2 * rows + 1))
     dofs, order = mesh[4].shape[1], control.shape[1]
-    full = np.zeros((rows, rows))
-    part = np.zeros((rows, rows))
     for e in range(elements.shape[0]):
         start, length, inverse = int(elements[e, 0]), elements[e, 1], elements[e, 2] if scaled else 1.0
-        for g in range(gauss):
-            point = e * gauss + g
-            block, lane = point // lanes, point % lanes
-            w = -h * weights[k] * heavy[g] * length
-            for a in range(width):
-                for row in range(rows):
-                    value, slope = (
-                        stretches[block, first + 1 + row, lane],
-                        stretches[block, first + 1 + rows + row, lane],
-                    )
-                    pulled = w * (phi[g, a] * value + psi[g, a] * inverse * slope)
-                    for i in range(order):
-                        gamma[start + a, i, row] += ell[k, i] * pulled
+        for k in range(stages):
+            for g in range(gauss):
+                block, lane = (e * gauss + g) // lanes, (e * gauss + g) % lanes
+                w = -h * weights[k] * heavy[g] * length
+                for a in range(width):
+                    for row in range(rows):
+                        value = stretches[k, block, first + 1 + row, lane]
+                        slope = stretches[k, block, first + 1 + rows + row, lane]
+                        pulled = w * (phi[g, a] * value + psi[g, a] * inverse * slope)
+                        for i in range(order):
+                            gamma[start + a, i, row] += ell[k, i] * pulled
         for a in range(width):
             for b in range(width):
-                full[:] = 0.0
-                for g in range(gauss):
-                    point = e * gauss + g
-                    block, lane = point // lanes, point % lanes
-                    w = -h * weights[k] * heavy[g] * length
-                    s11, s12 = w * phi[g, a] * phi[g, b], w * phi[g, a] * psi[g, b] * inverse
-                    s21, s22 = w * psi[g, a] * phi[g, b] * inverse, w * psi[g, a] * psi[g, b] * inverse * inverse
-                    _combine(stretches, block, lane, first + 1 + 2 * rows, rows, s11, s12, s21, s22, part)
-                    full += part
+                over[:] = 0.0
+                for k in range(stages):
+                    full[:] = 0.0
+                    for g in range(gauss):
+                        block, lane = (e * gauss + g) // lanes, (e * gauss + g) % lanes
+                        w = -h * weights[k] * heavy[g] * length
+                        s11, s12 = w * phi[g, a] * phi[g, b], w * phi[g, a] * psi[g, b] * inverse
+                        s21, s22 = w * psi[g, a] * phi[g, b] * inverse, w * psi[g, a] * psi[g, b] * inverse * inverse
+                        _combine(stretches[k], block, lane, first + 1 + 2 * rows, index, s11, s12, s21, s22, part)
+                        full += part
+                    for i in range(order - 1):
+                        for j in range(1, order):
+                            both = ell[k, i] * ell[k, j]
+                            for row in range(rows):
+                                for column in range(rows):
+                                    over[i, j - 1, row, column] += both * full[row, column]
                 na, nb = start + a, start + b
                 ra, rb = mesh[2][na, 0], mesh[2][nb, 0]
                 if ra == rb:
@@ -272,9 +274,9 @@ def _strain(calls, rule, mesh, work, k, time, h):
                     out = lower[ra]
                 for i in range(order - 1):
                     for j in range(1, order):
-                        part[:] = (ell[k, i] * ell[k, j]) * full
                         row, column = mesh[2][na, 1] + i * dofs, mesh[2][nb, 1] + (j - 1) * dofs
-                        _add_trivialized(part, control[na, i], control[nb, j], mesh[3], out, row, column)
+                        left, right = control[na, i], control[nb, j]
+                        _add_trivialized(over[i, j - 1], left, right, mesh[3], out, row, column, half, moved)
 
 
 @njit(**_options)
@@ -333,18 +335,17 @@ def _push(loads, fields, work, rule, number, k, weight):
 
 
 @njit(**_options)
-def _combine(data, block, lane, at, rows, s11, s12, s21, s22, out):
+def _combine(data, block, lane, at, index, s11, s12, s21, s22, out):
     """s₁₁ H₁₁ + s₁₂ H₁₂ + s₂₁ H₂₁ + s₂₂ H₂₂ from the upper triangle of a Hessian stored behind row ``at``."""
-    size = 2 * rows
+    rows = out.shape[0]
     for i in range(rows):
         for j in range(rows):
-            lo, hi = min(i, j), max(i, j)
-            h11 = data[block, at + lo * size - lo * (lo - 1) // 2 + hi - lo, lane]
-            h12 = data[block, at + i * size - i * (i - 1) // 2 + rows + j - i, lane]
-            h21 = data[block, at + j * size - j * (j - 1) // 2 + rows + i - j, lane]
-            low, high = rows + lo, rows + hi
-            h22 = data[block, at + low * size - low * (low - 1) // 2 + high - low, lane]
-            out[i, j] = s11 * h11 + s12 * h12 + s21 * h21 + s22 * h22
+            out[i, j] = (
+                s11 * data[block, at + index[i, j], lane]
+                + s12 * data[block, at + index[i, rows + j], lane]
+                + s21 * data[block, at + index[rows + i, j], lane]
+                + s22 * data[block, at + index[rows + i, rows + j], lane]
+            )
 
 
 @njit(**_options)
@@ -364,21 +365,13 @@ def _trivialize(gradient, point, fields, out):
 
 
 @njit(**_options)
-def _add_trivialized(matrix, left, right, fields, out, row, column):
-    """Add Tₗᵀ M Tᵣ, with T the tangents ½ p eᵢ of rotations, to a block."""
-    rows, dofs = matrix.shape[0], 0
-    for f in range(fields.shape[0]):
-        dofs += fields[f, 3]
-    half = np.empty((rows, dofs))
-    line = np.empty(rows)
-    for i in range(rows):
-        _trivialize(matrix[i], right, fields, half[i])
-    moved = np.empty(dofs)
-    for d in range(dofs):
-        for i in range(rows):
-            line[i] = half[i, d]
-        _trivialize(line, left, fields, moved)
-        for k in range(dofs):
+def _add_trivialized(matrix, left, right, fields, out, row, column, half, moved):
+    """Add Tₗᵀ M Tᵣ, with T the tangents ½ p eᵢ of rotations, to a block; half and moved are room."""
+    for i in range(matrix.shape[0]):
+        _trivialize(matrix[i], right, fields, half[:, i])
+    for d in range(half.shape[0]):
+        _trivialize(half[d], left, fields, moved)
+        for k in range(half.shape[0]):
             out[row + k, column + d] += moved[k]
 
 
@@ -419,9 +412,8 @@ def _eliminate(mesh, work):
             solve_factorized(diagonal[b], pivots[b], right[b])
             if b + 1 == last:
                 continue
-            for column in range(upper.shape[2]):
-                solve_factorized(diagonal[b], pivots[b], upper[b, :, column])
-            diagonal[b + 1] -= lower[b + 1] @ upper[b]
+            solve_columns(diagonal[b], pivots[b], upper[b])
+            subtract_product(diagonal[b + 1], lower[b + 1], upper[b])
             right[b + 1] -= lower[b + 1] @ right[b]
         for b in range(last - 2, first - 1, -1):
             right[b] -= upper[b] @ right[b + 1]
@@ -499,13 +491,14 @@ def _continue(calls, rule, mesh, work, state, begin, h):
             points[a // lanes, rows + row, a % lanes] = 0.0
     _call(calls, work[8], 0, points, begin)
     first = points.shape[1] - (1 + 2 * rows + rows * (2 * rows + 1))
-    full, mass = np.zeros((rows, rows)), np.zeros((dofs, dofs))
+    half, moved, full, _, _, index = work[10]
+    mass = np.zeros((dofs, dofs))
     pivots, velocity = np.zeros(dofs, dtype=np.int64), np.zeros(dofs)
     for a in range(nodes):
         w = mesh[0][a]
-        _combine(points, a // lanes, a % lanes, first + 1 + 2 * rows, rows, 0.0, 0.0, 0.0, w, full)
+        _combine(points, a // lanes, a % lanes, first + 1 + 2 * rows, index, 0.0, 0.0, 0.0, w, full)
         mass[:] = 0.0
-        _add_trivialized(full, control[a, 0], control[a, 0], fields, mass, 0, 0)
+        _add_trivialized(full, control[a, 0], control[a, 0], fields, mass, 0, 0, half, moved)
         for d in range(dofs):
             velocity[d] = momenta[a, d]
         factorize(mass, pivots)

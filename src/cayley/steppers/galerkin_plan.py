@@ -146,6 +146,7 @@ def advance(
     control = np.repeat(state.values[:, None, :], order, axis=1)
     momenta, memory, warm = recall(system, state)
     blocks, width = plan.mesh[5].shape[0], layout.dofs * stages * system.equations.rule.degree
+    strain_points = _points(system, "strain_point", np.repeat(plan.mesh[1][:, 0].astype(int), len(plan.rule[6])), lanes)
     work = (
         np.zeros((system.size, order, layout.rows)),
         np.zeros((system.size, stages, layout.rows)),
@@ -154,9 +155,10 @@ def advance(
         np.zeros((blocks, width, width)),
         np.zeros((blocks, width)),
         _points(system, "inertia_point", np.arange(system.size), lanes),
-        _points(system, "strain_point", np.repeat(plan.mesh[1][:, 0].astype(int), len(plan.rule[6])), lanes),
+        _stacked(strain_points, stages),
         _uniforms(system),
         control,
+        _room(system, order - 1),
     )
     counts = np.zeros(4, dtype=np.int64)
     clock = np.array([state.origin, state.h, float(state.step)])
@@ -185,6 +187,28 @@ def _points(system: System, name: str, nodes: np.ndarray, lanes: int) -> np.ndar
     for name_of_rotation in system.layout.rotations:  # padding: a rotation that is one
         data[:, system.layout.rows_of(name_of_rotation).start] = 1.0
     return data
+
+
+def _stacked(points: np.ndarray, stages: int) -> np.ndarray:
+    """The same blocks for every stage, aligned."""
+    data = aligned((stages, *points.shape))
+    data[:] = points
+    return data
+
+
+def _room(system: System, degree: int) -> tuple[np.ndarray, ...]:
+    """Room for contractions, and where the entries of a Hessian stand in its upper triangle.
+
+    Returns: half a trivialized matrix, one row of it, two matrices, one matrix for every pair of controls; the places.
+    """
+    rows, dofs = system.layout.rows, system.layout.dofs
+    size = 2 * rows
+    index = np.zeros((size, size), dtype=np.int64)
+    upper = np.triu_indices(size)
+    index[upper] = np.arange(len(upper[0]))
+    index = np.maximum(index, index.T)
+    square = np.zeros((rows, rows))
+    return np.zeros((dofs, rows)), np.zeros(dofs), square, square.copy(), np.zeros((degree, degree, rows, rows)), index
 
 
 def _uniforms(system: System) -> np.ndarray:
