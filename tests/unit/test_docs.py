@@ -13,6 +13,7 @@ import pytest
 import cayley as cy
 from cayley.cli import scenario, schema
 from cayley.cli.problems import ScenarioError
+from cayley.discrete.rules import RULES
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "benchmarks" / "README.md"])
@@ -84,6 +85,7 @@ def test_every_key_and_word_of_a_scenario_is_on_the_page() -> None:
         for word in get_args(option)
         if isinstance(word, str)
     }
+    words |= set(RULES)
     assert {"rectangle", "hold", "line_moment", "body", "verlet"} <= words
     assert not sorted(word for word in words if f'"{word}"' not in SCENARIO_PAGE)
 

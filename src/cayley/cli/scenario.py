@@ -55,7 +55,7 @@ class Scenario:
         return {
             "t_end": run.t_end,
             "dt": run.dt,
-            "rule": getattr(rules, run.rule),
+            "rule": rules.by_name(run.rule),
             "save_every": run.t_end / _SAVES if run.save_every is None else run.save_every,
             "initial": self.initial(),
             "rotation": run.rotation,

@@ -62,8 +62,8 @@ class Kernels:
         return print_ir(self.equations.program(name), self.lanes)
 
     def __str__(self) -> str:
-        """List the step kernel as formulas."""
-        return print_listing(self.equations.program("step"), self.lanes)
+        """List the kernel that does most of the work as formulas."""
+        return print_listing(self.equations.program(self.equations.main_program), self.lanes)
 
 
 @functools.cache

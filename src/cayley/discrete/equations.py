@@ -84,6 +84,15 @@ class DiscreteEquations:
         return self._derived[name]
 
     @property
+    def main_program(self) -> str:
+        """Name of the program that does most of the work of a step."""
+        if not self.rule.implicit:
+            return "step"
+        if self.rule.one_stage:
+            return "fused"
+        return "strain_point" if self.density.lagrangian.interval else "inertia_point"
+
+    @property
     def blocks(self) -> tuple[Block, ...]:
         """Structure of one node's equations, found from the sparsity of their Jacobian."""
         if "blocks" not in self._derived:

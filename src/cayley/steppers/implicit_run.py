@@ -16,8 +16,7 @@ CHUNK = 2_000
 
 def scheme_of(system: System) -> ModuleType:
     """The scheme that steps a system: the quick one where a step has one stage and an element two nodes."""
-    rule = system.equations.rule
-    return onestage_plan if len(rule.time.at) == 1 and rule.degree == 1 else galerkin_plan
+    return onestage_plan if system.equations.rule.one_stage else galerkin_plan
 
 
 def run(

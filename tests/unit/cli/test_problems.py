@@ -67,7 +67,7 @@ WRONG = [
     ('"0.1*sin(pi*t/2)"', '"1/t"', "", 'load #2.value #1: "1/t" is no finite number at t = 0 s; allowed: t, pi, '),
     ('frame = "body"', 'frame = "bdy"', "", 'load #2.frame: is "bdy"; allowed: "space" or "body"'),
     ("until = 0.01", "until = -1", "", "load #2: until = -1.0 must be later than start = 0 s"),
-    ('rule = "nodal"', 'rule = "midpoint"', "", 'run.rule: is "midpoint"; allowed: "nodal" or "verlet"'),
+    ('rule = "nodal"', 'rule = "euler"', "", 'run.rule: is "euler"; allowed: "nodal", "verlet"'),
     ('rule = "nodal"', "foo = 1", "", "run.foo: is no key; allowed: t_end, dt, rule, save_every, "),
     ("t_end = 0.02", "", "", "run.t_end: is missing; allowed: a positive number [s]"),
     ("t_end = 0.02", "t_end = 0.02\ndt = 0.01", "", "dt is 0.01 s, over the step limit "),
