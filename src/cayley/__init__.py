@@ -62,12 +62,29 @@ def __dir__() -> list[str]:
 
 
 if TYPE_CHECKING:
-    from cayley.density.expression import cross, dot, norm, where
-    from cayley.density.fields import Interval, Rotation, Vector
-    from cayley.density.lagrangian import Lagrangian, lagrangian
-    from cayley.density.library import E1, E2, E3
-    from cayley.discrete import rules
-    from cayley.model import Material, Model, Rod, Section, loads, supports
-    from cayley.results.trajectory import Trajectory
-    from cayley.simulation import SimulationError, integrate, simulate
-    from cayley.system.compile import compile_lagrangian as compile
+    from cayley.density.expression import cross as cross
+    from cayley.density.expression import dot as dot
+    from cayley.density.expression import norm as norm
+    from cayley.density.expression import where as where
+    from cayley.density.fields import Interval as Interval
+    from cayley.density.fields import Rotation as Rotation
+    from cayley.density.fields import Vector as Vector
+    from cayley.density.lagrangian import Lagrangian as Lagrangian
+    from cayley.density.lagrangian import lagrangian as lagrangian
+    from cayley.density.library import E1 as E1
+    from cayley.density.library import E2 as E2
+    from cayley.density.library import E3 as E3
+    from cayley.discrete import rules as rules
+    from cayley.model import Material as Material
+    from cayley.model import Model as Model
+    from cayley.model import Rod as Rod
+    from cayley.model import Section as Section
+    from cayley.model import loads as loads
+    from cayley.model import supports as supports
+    from cayley.results.trajectory import Trajectory as Trajectory
+    from cayley.simulation import SimulationError as SimulationError
+    from cayley.simulation import integrate as integrate
+    from cayley.simulation import simulate as simulate
+    from cayley.system.compile import compile_lagrangian
+
+    compile = compile_lagrangian
