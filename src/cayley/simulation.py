@@ -202,6 +202,7 @@ def _run(
         momenta=np.concatenate([block.momenta for block in received]),
         origin=begin.origin,
         h=begin.h,
+        memory=result.state.memory,
     )
     trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
     if result.outcome is not Outcome.FINISHED:
