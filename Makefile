@@ -7,7 +7,6 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOCK := requirements-lock.txt
 DEMO_OUT := runs/leitz2014
-PYELASTICA := pyelastica==1.0.0
 
 # The first interpreter that is new enough and can make a virtual environment. Give PYTHON=... to choose another.
 USABLE := import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))
@@ -20,13 +19,14 @@ LOCKED := $(INSTALL) --constraint $(LOCK) --no-build-isolation
 unexport PYTHONPATH PYTHONHOME
 export MPLBACKEND := Agg
 
-.PHONY: help demo test lint bench lock clean
+.PHONY: help demo test lint bench audit lock clean
 
 help:
 	@echo "make demo    run the paper's beam and write an HTML report to $(DEMO_OUT)"
 	@echo "make test    ruff, mypy, import-linter, typos, then pytest"
 	@echo "make lint    the checks without the tests"
 	@echo "make bench   run every script in benchmarks/, PyElastica from an environment of its own"
+	@echo "make audit   measure every rule and write docs/audit.md"
 	@echo "make lock    renew $(LOCK) from the ranges in pyproject.toml"
 	@echo "make clean   remove the environments, caches and runs"
 
@@ -44,10 +44,14 @@ lint: $(VENV)/.dev
 	$(BIN)/lint-imports
 	$(BIN)/typos
 
-# Each script finds the interpreter that has PyElastica in the environment variable PYELASTICA_PYTHON.
-bench: $(VENV)/.dev .venv-bench/.done
-	@set -e; for script in benchmarks/[a-z]*.py; do \
-		echo "$$script"; PYELASTICA_PYTHON=$(CURDIR)/.venv-bench/bin/python $(BIN)/python $$script; done
+# The peers live in an environment of their own, benchmarks/.venv-peers, which the scripts make.
+BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top report
+
+bench: $(VENV)/.dev
+	@set -e; for name in $(BENCHMARKS); do echo "benchmarks/$$name.py"; $(BIN)/python benchmarks/$$name.py; done
+
+audit: $(VENV)/.dev
+	@$(BIN)/python -m audit
 
 $(VENV)/.run: pyproject.toml $(LOCK)
 	@test -n "$(PYTHON)" || { echo "cayley needs CPython 3.11 or later with venv; found none (try PYTHON=/path/to/python3)" >&2; exit 1; }
@@ -62,12 +66,6 @@ $(VENV)/.dev: $(VENV)/.run
 	@$(LOCKED) --editable ".[test,dev]"
 	@touch $@
 
-.venv-bench/.done: Makefile
-	@echo "Setting up .venv-bench with $(PYELASTICA), once"
-	@$(PYTHON) -m venv --clear .venv-bench
-	@.venv-bench/bin/python -m pip --disable-pip-version-check --no-input install --quiet $(PYELASTICA)
-	@touch $@
-
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
 	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]"
@@ -76,5 +74,5 @@ lock:
 	rm -rf .venv-lock
 
 clean:
-	rm -rf $(VENV) .venv-bench .venv-lock runs build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) benchmarks/.venv-peers .venv-lock runs build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
 	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -124,11 +124,119 @@ def wait(record: Record) -> str:
     return f"{table(head, rows)}\n\nImports with a warm cache, by package [s]: {spent}."
 
 
+def implicit_cost(record: Record) -> str:
+    """Table of the cost of an element and Newton iteration."""
+    head = (
+        "elements",
+        "per element and iteration [µs]",
+        "wanted",
+        "iterations a step",
+        "half the step moves the tip by [m]",
+    )
+    rows = [
+        (
+            f"{row['elements']:,}".replace(",", " "),
+            ranged(row["us_per_element_iteration"], 2),
+            f"{verdict(row['us_per_element_iteration']['median'], record['us_limit'])}; aim {record['us_aim']:g}",
+            f"{row['iterations_per_step']:.2f}",
+            f"{row['tip_change_at_half_step_m']:.0e}",
+        )
+        for row in record["rows"]
+    ]
+    growth = record["growth_of_cost_per_element"]
+    told = f" From the fewest to the most elements the cost per element grows {growth:.2f} times." if growth else ""
+    return f"Rule `{record['rule']}`, step {record['rows'][0]['dt_s']:g} s, one core.{told}\n\n{table(head, rows)}"
+
+
+def steel_wire(record: Record) -> str:
+    """Table of the steel wire against PyElastica."""
+    head = ("program", "step [s]", "time for the run [s]", "times faster", "wanted", "tip error [m]")
+    peer = record["pyelastica"]
+    whole = peer["whole_run"]
+    rows = [
+        (
+            "cayley, `midpoint`",
+            f"{row['dt_s']:.3g}",
+            ranged(row["loop_s"], 4),
+            ranged(row["times_faster"], 0),
+            verdict(row["times_faster"]["median"], row["times_faster_wanted"], least=True),
+            f"{row['tip_error_m']:.1e}",
+        )
+        for row in record["rows"]
+    ]
+    own = record["verlet"]
+    rows.append(("cayley, `verlet`", f"{own['dt_s']:.3g}", f"{own['loop_s']:.2f}", "", "", f"{own['tip_error_m']:.1e}"))
+    error = f"{whole['tip_error_m']:.1e}" if whole and whole["tip_error_m"] is not None else "not run"
+    scaled = ranged(record["rows"][-1]["pyelastica_loop_s"], 1)
+    rows.append(("PyElastica, scaled up", f"{peer['dt_s']:.3g}", scaled, "", "", error))
+    if whole:
+        rows.append(("PyElastica, whole run", f"{whole['dt_s']:.3g}", f"{whole['loop_s']:.1f}", "", "", error))
+    return (
+        f"{record['elements']} elements, {record['t_end_s']:g} s; PyElastica {record['peer'].get('pyelastica', '?')},"
+        f" timed over {peer['stretch_s']:g} s. The mesh alone makes an error of {record['mesh_error_m']:.1e} m; the"
+        f" reference is good to {record['tip_exact_doubt_m']:.0e} m.\n\n{table(head, rows)}"
+    )
+
+
+def work_precision(record: Record) -> str:
+    """Times to reach an error, and how far ahead of the best peer."""
+    targets = list(record["series"][0]["time_to_error"])
+    head = ("program", *(f"{float(target):.0e} m" for target in targets))
+    rows = [
+        (
+            f"cayley, `{each['name']}`" if each["cayley"] else each["name"],
+            *(_time_to(each["time_to_error"][target]) for target in targets),
+        )
+        for each in record["series"]
+    ]
+    ahead = (
+        (
+            f"{row['error_m']:.0e} m",
+            f"`{row['cayley']}`",
+            row["peer"],
+            f"{row['times_faster']:.0f}" + "*" * row["extrapolated"],
+            verdict(row["times_faster"], row["times_faster_wanted"], least=True) if row["times_faster_wanted"] else "",
+        )
+        for row in record["ahead"]
+    )
+    best = table(("tip error", "best of cayley", "best peer", "times faster", "wanted"), ahead)
+    peer = ", ".join(f"{name} {number}" for name, number in record["peer"].items())
+    return (
+        f"Time of the loop [s] to reach a tip error at 1 s; * extrapolated beyond the finest run. {peer}.\n\n"
+        f"{table(head, rows)}\n\n{best}\n\n![Work-precision diagram](../docs/images/work_precision.png)"
+    )
+
+
+def heavy_top(record: Record) -> str:
+    """Table of galerkin rules against DOP853."""
+    head = ("method", "step or tolerance", "steps", "time [s]", "error of the rotation", "relative energy error")
+    rows = [
+        (
+            f"`{row['method']}`",
+            f"{row['dt_s']:g} s" if "dt_s" in row else f"{row['rtol']:g}",
+            str(row["steps"]),
+            ranged(row["loop_s"], 2),
+            f"{row['error']:.1e}",
+            f"{row['energy_error']:.1e}",
+        )
+        for row in record["rows"]
+    ]
+    reference = record["reference"]
+    return (
+        f"The {record['top']} top over {record['t_end_s']:g} s. The reference is `galerkin(time={reference['degree']})`"
+        f" with a step of {reference['dt_s']:g} s, good to {reference['doubt']:.0e}.\n\n{table(head, rows)}"
+    )
+
+
 SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "limit": ("Against hand-written C", limit),
     "pyelastica": ("Against PyElastica", pyelastica),
     "wait": ("The wait", wait),
     "quaternion_matrix": ("Quaternions against matrices", quaternion_matrix),
+    "implicit_cost": ("Cost of an implicit step", implicit_cost),
+    "steel_wire": ("Steel wire against PyElastica", steel_wire),
+    "work_precision": ("Work and precision", work_precision),
+    "heavy_top": ("Heavy top", heavy_top),
 }
 
 
@@ -161,6 +269,11 @@ def main() -> None:
         raise SystemExit(f"{readme}: no markers {BEGIN} and {END} to write the tables between")
     readme.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{after}")
     print(f"wrote {readme}")
+
+
+def _time_to(told: Record) -> str:
+    """A time with three digits, marked where it is extrapolated."""
+    return "not reached" if told["s"] is None else f"{told['s']:.3g}" + "*" * told["extrapolated"]
 
 
 def _errors(program: Record) -> str:
