@@ -3,19 +3,22 @@
 import functools
 import math
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from cayley.choice import Choice, Task, choose
+from cayley.choice.costs import seconds_of_loads
+from cayley.choice.pilot import stepper_of
+from cayley.choice.schedule import Schedule, schedule
 from cayley.discrete import rules
 from cayley.discrete.rules import Rule
 from cayley.model import Model
+from cayley.model.loads import Gravity
 from cayley.results.observe import Frames
 from cayley.results.trajectory import Trajectory
-from cayley.steppers import decoupled_run
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.discretize import discretize, initial_values, spans
 from cayley.system.legendre import initial_state
@@ -23,6 +26,10 @@ from cayley.system.system import State, System
 
 SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
+CANDIDATES = (rules.verlet, rules.midpoint, rules.galerkin(time=2), rules.galerkin(time=3))
+"""Rules among which an accuracy chooses; all have the same nodes."""
+ATTEMPTS = 4
+"""How often a rule and step are chosen, when runs stop that their trials promised."""
 
 
 class SimulationError(RuntimeError):
@@ -34,29 +41,13 @@ class SimulationError(RuntimeError):
         self.partial = partial
 
 
-@dataclass(frozen=True, slots=True)
-class Schedule:
-    """Equal steps that meet the saves.
-
-    Args:
-        h: time step [s].
-        stride: steps between two saves.
-        saves: number of full strides.
-        rest: steps of a last, shorter stride.
-    """
-
-    h: float
-    stride: int
-    saves: int
-    rest: int
-
-
 def simulate(
     model: Model,
     t_end: float,
     dt: float | None = None,
     *,
-    rule: Rule = rules.verlet,
+    rule: Rule | None = None,
+    accuracy: float | None = None,
     save_every: float | None = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
@@ -68,8 +59,11 @@ def simulate(
     Args:
         model: rods, supports and loads.
         t_end: end of the run [s].
-        dt: upper bound of the time step [s], fitted to the saves; without it, 0.9 of the guaranteed step limit.
-        rule: quadrature rule.
+        dt: upper bound of the time step [s], fitted to the saves; without it and accuracy, 0.9 of the guaranteed step
+            limit.
+        rule: quadrature rule; verlet, or the one that accuracy chooses, without it.
+        accuracy: largest wanted error of positions from steps in time, relative to the extent of the model, instead of
+            dt: step and, if it is not given, rule are chosen; run.why tells how.
         save_every: time between saved frames [s]; a hundredth of the run without it.
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
@@ -80,7 +74,7 @@ def simulate(
     Returns: the Trajectory.
 
     Raises:
-        ValueError: if an argument does not fit or dt is over the step limit.
+        ValueError: if an argument does not fit, dt is over the step limit, or no rule reaches the accuracy.
         SimulationError: if a step is not solved or the motion blows up.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014).
@@ -89,17 +83,43 @@ def simulate(
         raise TypeError(
             f"simulate: {model!r} is no Model; for a Lagrangian of your own use cy.compile and cy.integrate"
         )
-    if not isinstance(rule, Rule):
+    if rule is not None and not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
-    system = discretize(model, rule, rotation=rotation)
-    values, velocity, momenta = initial_values(model, system, initial or {})
-    state = initial_state(system, values, velocity)
-    given = np.isfinite(momenta) & system.free
-    state = replace(state, momenta=np.where(given, momenta, state.momenta))
-    parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
-    return _run(
-        system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress, model=model, parts=parts
-    )
+    begin = _beginning(model, rotation, initial)
+
+    def run(rule: Rule, dt: float | None) -> Trajectory:
+        system, state = begin(rule)
+        parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
+        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress}
+        return _run(system, state, t_end, dt, save_every, **options, model=model, parts=parts)
+
+    if accuracy is None:
+        return run(rule or rules.verlet, dt)
+    _check_accuracy(accuracy, dt)
+    task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
+    return _run_chosen(task, _candidates(rule, rotation), run)
+
+
+def advise(
+    model: Model,
+    t_end: float,
+    accuracy: float,
+    *,
+    rule: Rule | None = None,
+    save_every: float | None = None,
+    initial: Mapping[Any, Mapping[str, Any]] | None = None,
+    rotation: str = "quaternion",
+) -> Choice:
+    """Compare rules for a run of a model without running it; the arguments are those of simulate.
+
+    Returns: the Choice, with all alternatives tried.
+
+    Raises:
+        ValueError: if an argument does not fit or no rule reaches the accuracy.
+    """
+    _check_accuracy(accuracy, None)
+    task = _task(_beginning(model, rotation, initial), t_end, save_every, accuracy, rule or CANDIDATES[0], model)
+    return choose(task, _candidates(rule, rotation), thorough=True)
 
 
 def integrate(
@@ -108,6 +128,7 @@ def integrate(
     t_end: float,
     dt: float | None = None,
     *,
+    accuracy: float | None = None,
     save_every: float | None = None,
     t_start: float = 0.0,
     allow_unstable: bool = False,
@@ -119,8 +140,11 @@ def integrate(
         system: made by ``cy.compile``.
         start: field -> values at the nodes, field_t -> velocities (zero where absent); or a State to go on from.
         t_end: end of the run [s].
-        dt: upper bound of the time step [s], fitted to the saves; without it, the step of a State that has run, else
-            0.9 of the guaranteed step limit.
+        dt: upper bound of the time step [s], fitted to the saves; without it and accuracy, the step of a State that has
+            run, else 0.9 of the guaranteed step limit.
+        accuracy: largest wanted error of positions from steps in time, relative to the extent of the system at the
+            start, instead of dt: the step is chosen. Of a single node it is relative to its way, and rotations count
+            in radians.
         save_every: time between saved frames [s]; a hundredth of the run without it.
         t_start: time of the start [s].
         allow_unstable: run even with a step over the limit.
@@ -129,7 +153,8 @@ def integrate(
     Returns: the Trajectory.
 
     Raises:
-        ValueError: if the start or another argument does not fit, or dt is over the step limit.
+        ValueError: if the start or another argument does not fit, dt is over the step limit, or the accuracy is not
+            reached.
         SimulationError: if a step is not solved or the motion blows up.
     """
     if not isinstance(system, System):
@@ -139,25 +164,97 @@ def integrate(
     else:
         values, velocity = _start(system, start)
         state = initial_state(system, values, velocity, time=t_start)
-    return _run(system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress)
+
+    def run(rule: Rule, dt: float | None) -> Trajectory:
+        return _run(system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress)
+
+    rule = system.equations.rule
+    if accuracy is None:
+        return run(rule, dt)
+    _check_accuracy(accuracy, dt)
+    return _run_chosen(_task(lambda _: (system, state), t_end, save_every, accuracy, rule), [rule], run)
 
 
-def schedule(span: float, dt: float, save_every: float) -> Schedule:
-    """Equal steps, at most dt, that meet the saves; where saves do not divide the span, its end instead.
+def _beginning(
+    model: Model, rotation: str, initial: Mapping[Any, Mapping[str, Any]] | None
+) -> Callable[[Rule], tuple[System, State]]:
+    """A function that makes system and start for a rule, once for each."""
 
-    Args:
-        span: length of the run [s].
-        dt: upper bound of the step [s].
-        save_every: time between saves [s].
-    """
-    saves = span / save_every
-    if abs(saves - round(saves)) < 1e-9 * saves:
-        stride = max(1, math.ceil(save_every / dt * (1.0 - 1e-12)))
-        return Schedule(span / (round(saves) * stride), stride, round(saves), 0)
-    steps = max(1, math.ceil(span / dt * (1.0 - 1e-12)))
-    h = span / steps
-    stride = max(1, round(save_every / h))
-    return Schedule(h, stride, steps // stride, steps % stride)
+    @functools.cache
+    def begin(rule: Rule) -> tuple[System, State]:
+        system = discretize(model, rule, rotation=rotation)
+        values, velocity, momenta = initial_values(model, system, initial or {})
+        state = initial_state(system, values, velocity)
+        given = np.isfinite(momenta) & system.free
+        return system, replace(state, momenta=np.where(given, momenta, state.momenta))
+
+    return begin
+
+
+def _check_accuracy(accuracy: Any, dt: float | None) -> None:
+    if dt is not None:
+        raise ValueError(f"dt = {dt!r} and accuracy = {accuracy!r} are given; give one of them")
+    if isinstance(accuracy, bool) or not isinstance(accuracy, int | float | np.floating) or not 1e-12 < accuracy < 0.5:
+        raise ValueError(f"accuracy is {accuracy!r}; give a number between 1e-12 and 0.5, such as 1e-3")
+
+
+def _candidates(rule: Rule | None, rotation: str) -> tuple[Rule, ...]:
+    if rule is not None:
+        return (rule,)
+    return CANDIDATES if rotation == "quaternion" else CANDIDATES[:1]  # the implicit ones have no matrix form
+
+
+def _task(
+    begin: Callable[[Rule], tuple[System, State]],
+    t_end: float,
+    save_every: float | None,
+    accuracy: float,
+    rule: Rule,
+    model: Model | None = None,
+) -> Task:
+    """What is to be chosen for; the rule is one whose nodes are those of all candidates."""
+    system, state = begin(rule)
+    span = _span(state, t_end)
+    starts = [load.start for load in (model.loads if model else ()) if not isinstance(load, Gravity)]
+    return Task(
+        begin=begin,
+        nodes=system.size,
+        span=span,
+        save_every=_spacing(save_every, span),
+        accuracy=accuracy,
+        loads=seconds_of_loads(system),
+        busy_after=max((start for start in starts if start < t_end), default=0.0),
+    )
+
+
+def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float | None], Trajectory]) -> Trajectory:
+    """Choose and run; where a run stops that its trials promised, choose again by trials of whole runs."""
+    told = ""
+    for attempt in range(ATTEMPTS):
+        choice = choose(task, rules)
+        best = choice.best
+        try:
+            trajectory = run(best.rule, best.dt)
+        except SimulationError as error:
+            if attempt == ATTEMPTS - 1:
+                raise
+            told = f" Before, {best.rule} with dt = {best.dt:.3g} s stopped at t = {error.partial.time[-1]:.3g} s."
+            task = replace(task, whole=True, limits={**task.limits, best.rule: 0.5 * best.dt})
+        else:
+            break
+    trajectory.info |= {"error_estimate": best.error, "why": choice.why + told}
+    return trajectory
+
+
+def _span(state: State, t_end: float) -> float:
+    span = _positive("t_end", t_end, "s") - state.time
+    if span <= 0.0:
+        raise ValueError(f"t_end is {t_end:g} s, the start is at {state.time:g} s; t_end must be later")
+    return span
+
+
+def _spacing(save_every: float | None, span: float) -> float:
+    return span / 100.0 if save_every is None else min(_positive("save_every", save_every, "s"), span)
 
 
 def _run(
@@ -172,15 +269,13 @@ def _run(
     model: Model | None = None,
     parts: Mapping[str, slice] | None = None,
 ) -> Trajectory:
-    span = _positive("t_end", t_end, "s") - state.time
-    if span <= 0.0:
-        raise ValueError(f"t_end is {t_end:g} s, the start is at {state.time:g} s; t_end must be later")
-    save_every = span / 100.0 if save_every is None else min(_positive("save_every", save_every, "s"), span)
+    span = _span(state, t_end)
+    save_every = _spacing(save_every, span)
     step = _step_size(system, state, dt, span, allow_unstable=allow_unstable)
     plan = schedule(span, step, save_every)
     state = state.at_step(plan.h)
     begin, received = state, [_Block.of(system, state)]
-    stepper = _stepper(system)
+    stepper = stepper_of(system.equations.rule)
 
     def receive(stride: int, values: np.ndarray, momenta: np.ndarray) -> None:
         numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))
@@ -208,15 +303,6 @@ def _run(
     if result.outcome is not Outcome.FINISHED:
         raise SimulationError(_explain(system, result, trajectory), trajectory)
     return trajectory
-
-
-def _stepper(system: System) -> ModuleType:
-    """The module that runs a system; the implicit ones need Numba, which is slow to import."""
-    if system.equations.rule.implicit:
-        from cayley.steppers import implicit_run
-
-        return implicit_run
-    return decoupled_run
 
 
 @dataclass(frozen=True, slots=True)
@@ -337,3 +423,6 @@ def _positive(name: str, value: Any, unit: str) -> float:
 
 def _name(system: System) -> str:
     return f"Lagrangian {system.equations.density.lagrangian.name}"
+
+
+__all__ = ["Choice", "Schedule", "SimulationError", "advise", "integrate", "schedule", "simulate"]

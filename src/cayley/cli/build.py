@@ -52,6 +52,8 @@ def build(tables: schema.ScenarioTables) -> Model:
     acting = _loads(tables, rods, found)
     _check_initial(tables, rods, found)
     _check_report(tables, found)
+    if tables.run.dt is not None and tables.run.accuracy is not None:
+        found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
     with found.at():
         return Model(*rods.values(), supports=held, loads=acting)

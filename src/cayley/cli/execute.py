@@ -35,19 +35,21 @@ def execute(source: str, *, out: Path | None, report: bool, quiet: bool) -> int:
         run = _simulated(scenario, store, console)
         run.save(store, overwrite=True)
         (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
+        if scenario.run.accuracy is not None:
+            console.print(run.why, soft_wrap=True)
         if not quiet:
             console.print(conservation_table(run))
         console.print(f"Results: {store}", soft_wrap=True)
         if report:
             _reported(run, scenario, folder / "report.html", console)
     except ScenarioError as error:
-        return _told(error.problems, WRONG_INPUT)
+        return told(error.problems, WRONG_INPUT)
     except OSError as error:  # of the folder or the disk
-        return _told([f"{error.filename}: {error.strerror}" if error.strerror else str(error)], WRONG_INPUT)
+        return told([f"{error.filename}: {error.strerror}" if error.strerror else str(error)], WRONG_INPUT)
     except _Refused as error:
-        return _told([f"{source}: {error}"], WRONG_INPUT)
+        return told([f"{source}: {error}"], WRONG_INPUT)
     except _Stopped as error:
-        return _told([f"{source}: {error}"], STOPPED)
+        return told([f"{source}: {error}"], STOPPED)
     return DONE
 
 
@@ -68,9 +70,9 @@ def _simulated(scenario: Scenario, store: Path, console: Console) -> Any:
         except SimulationError as error:
             error.partial.save(store, overwrite=True)
             # the library's message is for Python; here the frames are on the disk
-            raise _Stopped(_one_line(error).replace("the exception's .partial", str(store))) from error
+            raise _Stopped(one_line(error).replace("the exception's .partial", str(store))) from error
         except (TypeError, ValueError) as error:
-            raise _Refused(_one_line(error)) from error
+            raise _Refused(one_line(error)) from error
 
 
 def _reported(run: Any, scenario: Scenario, path: Path, console: Console) -> None:
@@ -90,11 +92,13 @@ def _reported(run: Any, scenario: Scenario, path: Path, console: Console) -> Non
     console.print(f"Report:  {path}", soft_wrap=True)
 
 
-def _told(lines: Any, code: int) -> int:
+def told(lines: Any, code: int) -> int:
+    """Print lines on standard error; returns the exit code."""
     for line in lines:
         print(line, file=sys.stderr)
     return code
 
 
-def _one_line(error: Exception) -> str:
+def one_line(error: Exception) -> str:
+    """The message of an error without line breaks."""
     return " ".join(str(error).split())

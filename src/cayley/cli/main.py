@@ -56,6 +56,29 @@ def run(
 
 
 @app.command()
+def advise(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    accuracy: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NUMBER",
+            help="Largest position error over the extent of the model; that of the file, or 1e-3.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Compare rules for a scenario without running it: step, steps, expected time and error of each.
+
+    Exit codes: 0 done, 2 something is wrong with the input or no rule reaches the accuracy.
+    """
+    from cayley.cli.advise import advise
+
+    raise typer.Exit(advise(scenario, accuracy=accuracy))
+
+
+@app.command()
 def cite() -> None:
     """Print how to cite the library and the paper it began with."""
     from cayley.report.cite import citation

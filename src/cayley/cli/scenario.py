@@ -52,14 +52,16 @@ class Scenario:
         from cayley.discrete import rules  # with CasADi behind it, which checking a file does not need
 
         run = self.run
+        chosen = run.accuracy is not None and run.rule is None
         return {
             "t_end": run.t_end,
             "dt": run.dt,
-            "rule": rules.by_name(run.rule),
+            "rule": None if chosen else rules.by_name(run.rule or "verlet"),
             "save_every": run.t_end / _SAVES if run.save_every is None else run.save_every,
             "initial": self.initial(),
             "rotation": run.rotation,
             "allow_unstable": run.allow_unstable,
+            **({} if run.accuracy is None else {"accuracy": run.accuracy}),
         }
 
     def initial(self) -> dict[str, dict[str, list[float]]]:

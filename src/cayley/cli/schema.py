@@ -163,13 +163,16 @@ class RunTable(Table):
 
     t_end: float = _positive("s")
     dt: float | None = Field(None, gt=0, description="a positive number [s]; left out: the largest safe step")
-    rule: str = Field(
-        "verlet",
+    rule: str | None = Field(
+        None,
         pattern=r"^(nodal|verlet|screw|midpoint|nodal_midpoint|screw_midpoint|galerkin\(time=[1-8](, space=[1-8])?\))$",
         description='"nodal", "verlet", "screw", "midpoint", "nodal_midpoint", "screw_midpoint" or '
         '"galerkin(time=2, space=2)" with degrees 1 to 8',
     )
     save_every: float | None = Field(None, gt=0, description="a positive number [s]; left out: t_end/500")
+    accuracy: float | None = Field(
+        None, gt=1e-12, lt=0.5, description="a number between 1e-12 and 0.5, such as 1e-3, instead of dt"
+    )
     rotation: Literal["quaternion", "matrix"] = Field("quaternion", description='"quaternion" or "matrix"')
     allow_unstable: bool = Field(False, description="true or false")
 

@@ -101,6 +101,16 @@ class Trajectory:
         return float(self.info["wall_time"])
 
     @property
+    def error_estimate(self) -> float:
+        """Estimated largest error of positions from steps in time, over the extent; not a number if dt was given."""
+        return float(self.info.get("error_estimate", float("nan")))
+
+    @property
+    def why(self) -> str:
+        """Why this rule and step were chosen."""
+        return str(self.info.get("why", "Rule and step were given, or the step limit of the rule was taken."))
+
+    @property
     def time(self) -> np.ndarray:
         """Times of the saved frames [s]."""
         return self.frames.times
