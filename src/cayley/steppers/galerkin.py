@@ -37,6 +37,10 @@ WILD_GROWTH = 10.0
 """The quick first try of a step is given up when a correction is this many times the one before."""
 SMALLEST_PART = 0.02
 """Smallest part of a correction that is tried."""
+FIRST_PART = 1.0 / 16.0
+"""Where nothing else serves, the solution is followed from that of a step so much shorter."""
+SMALLEST_GROWTH = 1.02
+"""It is followed to longer steps by factors that fall from 2 to this."""
 
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
@@ -72,6 +76,9 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
                 counts[1] = max(counts[1], passes)
                 if solved:
                     break
+            if not solved:
+                passes, worst, solved = _follow(calls, rule, mesh, work, state, loads, number, begin, clock[1])
+                counts[0] += passes
             counts[2], counts[3] = number, worst
             if not solved:
                 return NOT_CONVERGED, save
@@ -131,6 +138,64 @@ def _newton(calls, rule, mesh, work, state, loads, number, begin, h, careful):
         fresh = careful or rate > SLOW
         last = size
     return ITERATIONS, worst, False
+
+
+@njit(**_options)
+def _follow(calls, rule, mesh, work, state, loads, number, begin, h):
+    """Solve a step by following the solution from that of a much shorter one; the step itself stays what it is.
+
+    Returns: (iterations, node of the largest correction, converged).
+    """
+    control = state[0]
+    for i in range(1, control.shape[1]):
+        control[:, i] = control[:, 0]
+    reached = control.copy()
+    size, good, growth, count = FIRST_PART, 0.0, 2.0, 0
+    while True:
+        passes, worst, solved = _newton(calls, rule, mesh, work, state, loads, number, begin, size * h, False)
+        count += passes
+        if solved and size == 1.0:
+            return count, worst, True
+        if solved:
+            good = size
+            reached[:] = control
+        else:
+            growth = math.sqrt(growth)
+            if good == 0.0 or growth < SMALLEST_GROWTH:
+                return count, worst, False
+        size = min(1.0, good * growth)
+        _stretch(control, reached, rule[8], size / good, mesh[3])
+        _hold(mesh, control)
+
+
+@njit(**_options)
+def _stretch(control, reached, ends, factor, fields):
+    """The polynomial of a step read at times so many times as late, rotations normalized."""
+    order = control.shape[1]
+    for i in range(1, order):
+        control[:, i] = 0.0
+        for k in range(order):
+            value = 1.0
+            for j in range(order):
+                if j != k:
+                    value *= (factor * ends[i] - ends[j]) / (ends[k] - ends[j])
+            control[:, i] += value * reached[:, k]
+    _normalize(control, fields)
+
+
+@njit(**_options)
+def _normalize(control, fields):
+    """Bring the rotations of control nodes after the first to length one."""
+    for a in range(control.shape[0]):
+        for i in range(1, control.shape[1]):
+            for f in range(fields.shape[0]):
+                if fields[f, 0]:
+                    row = fields[f, 1]
+                    size = 0.0
+                    for k in range(4):
+                        size += control[a, i, row + k] ** 2
+                    for k in range(4):
+                        control[a, i, row + k] /= math.sqrt(size)
 
 
 @njit(**_options)
@@ -626,11 +691,4 @@ def _extrapolate(control, memory, matrix, fields):
                 for k in range(last):
                     value += matrix[i, k] * memory[a, k, row]
                 control[a, i, row] = value
-            for f in range(fields.shape[0]):
-                if fields[f, 0]:
-                    row = fields[f, 1]
-                    size = 0.0
-                    for k in range(4):
-                        size += control[a, i, row + k] ** 2
-                    for k in range(4):
-                        control[a, i, row + k] /= math.sqrt(size)
+    _normalize(control, fields)

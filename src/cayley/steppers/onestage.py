@@ -18,11 +18,13 @@ from numba import njit
 from cayley.steppers.calls import call_kernel, call_setup
 from cayley.steppers.dense import chain_solver
 from cayley.steppers.galerkin import (
+    FIRST_PART,
     FLOOR,
     ITERATIONS,
     LARGEST_GROWTH,
     LARGEST_TURN,
     QUICK_ITERATIONS,
+    SMALLEST_GROWTH,
     SMALLEST_PART,
     STEP_TOLERANCE,
     WILD_GROWTH,
@@ -92,7 +94,7 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
         nodes, rows, lanes = momenta.shape[0], at[0], data.shape[2]
         upper, right = np.zeros((nodes, dofs, dofs)), np.zeros((nodes, dofs))
         accepted, taken, push = np.zeros((nodes, rows)), np.zeros((nodes, dofs)), np.zeros((nodes, 2 * dofs))
-        work = (upper, right, accepted, taken, push)
+        work, reached = (upper, right, accepted, taken, push), np.zeros((nodes, rows))
         uniforms[0] = clock[1]
         for save in range(frames.shape[0]):
             for j in range(stride):
@@ -110,6 +112,30 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
                     counts[1] = max(counts[1], passes)
                     if solved:
                         break
+                if not solved:
+                    _start(data, rows, memory, fields, nodes, False)
+                    size, good, growth = FIRST_PART, 0.0, 2.0
+                    while True:  # a short step first, from its end longer ones: the step itself stays what it is
+                        uniforms[0] = size * clock[1]
+                        call_setup(call[1], uniforms.ctypes.data)
+                        passes, worst, solved = newton(
+                            call, data, at, uniforms, fields, free, mesh, momenta, loads, number, work, False
+                        )
+                        counts[0] += passes
+                        if solved and size == 1.0:
+                            break
+                        if solved:
+                            good = size
+                            _swap(data, rows, reached, nodes, True)
+                        else:
+                            growth = math.sqrt(growth)
+                            if good == 0.0 or growth < SMALLEST_GROWTH:
+                                break
+                            _swap(data, rows, reached, nodes, False)
+                        size = min(1.0, good * growth)
+                        _stretch(data, rows, fields, nodes, size / good)
+                        _hold(data, rows, fields, free)
+                    uniforms[0] = clock[1]
                 counts[2], counts[3] = number, worst
                 if not solved:
                     return NOT_CONVERGED, save
@@ -159,6 +185,24 @@ def _start(data, rows, memory, fields, nodes, onward):  # type: ignore[no-untype
             data[block, rows + row, lane] = 2.0 * now - memory[a, 0, row] if onward else now
         for f in range(fields.shape[0]):
             if fields[f, 0] and onward:
+                size = 0.0
+                for k in range(4):
+                    size += data[block, rows + fields[f, 1] + k, lane] ** 2
+                for k in range(4):
+                    data[block, rows + fields[f, 1] + k, lane] /= math.sqrt(size)
+
+
+@njit(**_options)
+def _stretch(data, rows, fields, nodes, factor):  # type: ignore[no-untyped-def]
+    """So many times the way from start to end, rotations normalized."""
+    lanes = data.shape[2]
+    for a in range(nodes):
+        block, lane = 1 + a // lanes, a % lanes
+        for row in range(rows):
+            start = data[block, row, lane]
+            data[block, rows + row, lane] = start + factor * (data[block, rows + row, lane] - start)
+        for f in range(fields.shape[0]):
+            if fields[f, 0]:
                 size = 0.0
                 for k in range(4):
                     size += data[block, rows + fields[f, 1] + k, lane] ** 2
