@@ -356,9 +356,17 @@ def _explain(system: System, result: Result, trajectory: Trajectory) -> str:
         else f"dt is over the step limit {limit:.3g} s there: give less"
     )
     return (
-        f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; {remedy}. "
+        f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}{_history(result)}; {remedy}. "
         f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
     )
+
+
+def _history(result: Result) -> str:
+    """The last iterations of a step that was not solved."""
+    if result.history is None or result.outcome is not Outcome.NOT_CONVERGED:
+        return ""
+    told = [f"{size:.1e} ({residual:.1e})" for size, residual in result.history if math.isfinite(residual)]
+    return f" (relative corrections and residuals in N s or N m s at last: {', '.join(told)})" if told else ""
 
 
 def _fitting(system: System, state: State) -> State:

@@ -115,15 +115,17 @@ def _newton(calls, rule, mesh, work, state, loads, number, begin, h, careful):
         _assemble(calls, rule, mesh, work, state, loads, number, begin, h, fresh)
         if fresh:
             _factorize_chains(mesh, work)
+        residual = np.abs(right).max()
         _solve_chains(mesh, work)
         size, turn, worst = _measure(mesh, right, control)
-        if careful and not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
+        note(work[14], iteration, size, residual)
+        if careful and not size <= max(LARGEST_GROWTH * last, FLOOR) and part > SMALLEST_PART:  # also for NaN
             part *= 0.5
             control[:] = accepted
             _move(mesh, taken, control, part)
             _hold(mesh, control)
             continue
-        if not math.isfinite(size) or (not careful and size > WILD_GROWTH * last):
+        if not math.isfinite(size) or (not careful and size > max(WILD_GROWTH * last, FLOOR)):
             return iteration + 1, worst, False
         accepted[:] = control
         taken[:] = right
@@ -138,6 +140,16 @@ def _newton(calls, rule, mesh, work, state, loads, number, begin, h, careful):
         fresh = careful or rate > SLOW
         last = size
     return ITERATIONS, worst, False
+
+
+@njit(**_options)
+def note(history, iteration, size, residual):
+    """Write the last iterations down: the latest in the last row, NaN where there was none."""
+    if iteration == 0:
+        history[:] = math.nan
+    for k in range(history.shape[0] - 1):
+        history[k] = history[k + 1]
+    history[-1, 0], history[-1, 1] = size, residual
 
 
 @njit(**_options)
@@ -291,7 +303,7 @@ def _strain(calls, rule, mesh, work, begin, h, tangent):
     """−W at all stages, contracted with the interpolation in space and time over every element."""
     ell, weights, phi, psi, heavy = rule[0], rule[2], rule[4], rule[5], rule[6]
     gamma, stage, diagonal, upper, lower, stretches = work[0], work[1], work[2], work[3], work[4], work[7]
-    half, moved, full, part, over, index = work[10]
+    half, moved, full, hessians, over, index = work[10]
     control, elements, scaled = work[9], mesh[1], mesh[6]
     gauss, width, rows = phi.shape[0], phi.shape[1], stage.shape[2]
     stages, lanes = stretches.shape[0], stretches.shape[3]
@@ -324,18 +336,29 @@ def _strain(calls, rule, mesh, work, begin, h, tangent):
                         pulled = w * (phi[g, a] * value + psi[g, a] * inverse * slope)
                         for i in range(order):
                             gamma[start + a, i, row] += ell[k, i] * pulled
-        for a in range(width if tangent else 0):
+        if not tangent:
+            continue
+        for k in range(stages):
+            for g in range(gauss):
+                block, lane = (e * gauss + g) // lanes, (e * gauss + g) % lanes
+                w = -h * weights[k] * heavy[g] * length
+                _unpack(stretches[k], block, lane, first + 1 + 2 * rows, index, w, inverse, hessians[k, g])
+        for a in range(width):
             for b in range(width):
                 over[:] = 0.0
                 for k in range(stages):
                     full[:] = 0.0
                     for g in range(gauss):
-                        block, lane = (e * gauss + g) // lanes, (e * gauss + g) % lanes
-                        w = -h * weights[k] * heavy[g] * length
-                        s11, s12 = w * phi[g, a] * phi[g, b], w * phi[g, a] * psi[g, b] * inverse
-                        s21, s22 = w * psi[g, a] * phi[g, b] * inverse, w * psi[g, a] * psi[g, b] * inverse * inverse
-                        _combine(stretches[k], block, lane, first + 1 + 2 * rows, index, s11, s12, s21, s22, part)
-                        full += part
+                        s11, s12 = phi[g, a] * phi[g, b], phi[g, a] * psi[g, b]
+                        s21, s22 = psi[g, a] * phi[g, b], psi[g, a] * psi[g, b]
+                        for row in range(rows):
+                            for column in range(rows):
+                                full[row, column] += (
+                                    s11 * hessians[k, g, 0, row, column]
+                                    + s12 * hessians[k, g, 1, row, column]
+                                    + s21 * hessians[k, g, 2, row, column]
+                                    + s22 * hessians[k, g, 3, row, column]
+                                )
                     for i in range(order - 1):
                         for j in range(1, order):
                             both = ell[k, i] * ell[k, j]
@@ -410,6 +433,19 @@ def _push(loads, fields, work, rule, number, k, weight):
                 gamma[a, control, row] += ell[k, control] * x
                 gamma[a, control, row + 1] += ell[k, control] * y
                 gamma[a, control, row + 2] += ell[k, control] * z
+
+
+@njit(**_options)
+def _unpack(data, block, lane, at, index, weight, inverse, out):
+    """The four parts of a Hessian in (z, z′), the latter per unit of the element, times a weight."""
+    rows = out.shape[1]
+    s12, s22 = weight * inverse, weight * inverse * inverse
+    for i in range(rows):
+        for j in range(rows):
+            out[0, i, j] = weight * data[block, at + index[i, j], lane]
+            out[1, i, j] = s12 * data[block, at + index[i, rows + j], lane]
+            out[2, i, j] = s12 * data[block, at + index[rows + i, j], lane]
+            out[3, i, j] = s22 * data[block, at + index[rows + i, rows + j], lane]
 
 
 @njit(**_options)

@@ -1,7 +1,7 @@
 """What the driver of Galerkin rules works on: interpolation tables, mesh and work arrays."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,9 @@ from cayley.discrete.rules import Points, lagrange, lobatto
 from cayley.steppers import galerkin
 from cayley.steppers.outcome import Outcome
 from cayley.system.system import State, System, aligned
+
+HISTORY = 4
+"""Iterations that a failure tells of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,10 +139,26 @@ def _in_space(strain: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]
     return phi, psi, np.array(strain.weights), True
 
 
-def advance(
-    system: System, plan: Plan, state: State, stride: int, frames: np.ndarray
-) -> tuple[Outcome, int, np.ndarray, np.ndarray]:
-    """One call of the driver; returns the outcome, the frames reached, counts (see steppers.galerkin) and memory."""
+class Advance(NamedTuple):
+    """What one call of an implicit driver returns.
+
+    Args:
+        outcome: how it ended.
+        reached: frames written.
+        counts: iterations in all, most in a step, number and node of the last step, shape (4,).
+        memory: control nodes of the last step.
+        history: relative correction and largest residual [N s, N m s] of the last iterations, shape (HISTORY, 2).
+    """
+
+    outcome: Outcome
+    reached: int
+    counts: np.ndarray
+    memory: np.ndarray
+    history: np.ndarray
+
+
+def advance(system: System, plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
+    """One call of the driver."""
     layout, lanes = system.layout, system.kernels.lanes
     stages, order, steps = len(plan.rule[2]), plan.rule[0].shape[1], len(frames) * stride
     table = stage_table(system, state, plan.rule[7], steps)
@@ -161,10 +180,11 @@ def advance(
         _stacked(strain_points, stages),
         _uniforms(system),
         control,
-        _room(system, order - 1),
+        _room(system, order - 1, len(plan.rule[6])),
         np.zeros((blocks, width), dtype=np.int64),
         np.zeros_like(control),
         np.zeros((blocks, width)),
+        np.full((HISTORY, 2), np.nan),
     )
     counts = np.zeros(4, dtype=np.int64)
     clock = np.array([state.origin, state.h, float(state.step)])
@@ -172,7 +192,7 @@ def advance(
     code, reached = galerkin.advance(
         plan.calls, plan.rule, plan.mesh, work, (control, momenta, memory), warm, loads, clock, stride, frames, counts
     )
-    return list(Outcome)[code], reached, counts, memory
+    return Advance(list(Outcome)[code], reached, counts, memory, work[14])
 
 
 def _points(system: System, name: str, nodes: np.ndarray, lanes: int, along: Any = 0.0) -> np.ndarray:
@@ -203,10 +223,11 @@ def _stacked(points: np.ndarray, stages: int) -> np.ndarray:
     return data
 
 
-def _room(system: System, degree: int) -> tuple[np.ndarray, ...]:
+def _room(system: System, degree: int, points: int) -> tuple[np.ndarray, ...]:
     """Room for contractions, and where the entries of a Hessian stand in its upper triangle.
 
-    Returns: half a trivialized matrix, one row of it, two matrices, one matrix for every pair of controls; the places.
+    Returns: half a trivialized matrix, one row of it, a matrix, the Hessians of an element in four parts, one matrix
+    for every pair of controls; the places.
     """
     rows, dofs = system.layout.rows, system.layout.dofs
     size = 2 * rows
@@ -215,7 +236,8 @@ def _room(system: System, degree: int) -> tuple[np.ndarray, ...]:
     index[upper] = np.arange(len(upper[0]))
     index = np.maximum(index, index.T)
     square = np.zeros((rows, rows))
-    return np.zeros((dofs, rows)), np.zeros(dofs), square, square.copy(), np.zeros((degree, degree, rows, rows)), index
+    hessians, pairs = np.zeros((degree, points, 4, rows, rows)), np.zeros((degree, degree, rows, rows))
+    return np.zeros((dofs, rows)), np.zeros(dofs), square, hessians, pairs, index
 
 
 def _uniforms(system: System) -> np.ndarray:

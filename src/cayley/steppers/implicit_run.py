@@ -36,7 +36,7 @@ def run(
     while done < saves:
         count = max(1, min(saves - done, CHUNK // stride))
         frames = np.empty((count, system.size, rows + system.layout.dofs))
-        outcome, reached, counts, memory = scheme.advance(system, plan, state, stride, frames)
+        outcome, reached, counts, memory, history = scheme.advance(system, plan, state, stride, frames)
         if reached:
             values, momenta = frames[:reached, :, :rows], frames[:reached, :, rows:]
             receive(values.copy(), momenta.copy())
@@ -44,7 +44,7 @@ def run(
             known = memory if outcome is Outcome.FINISHED else None  # after a failure it is not that of the last frame
             state = replace(state, values=values[-1].copy(), momenta=momenta[-1].copy(), step=last, memory=known)
         if outcome is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]))
+            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), history)
         done += count
         if progress is not None:
             progress(done / saves, state.time)

@@ -30,6 +30,7 @@ from cayley.steppers.galerkin import (
     WILD_GROWTH,
     hand_turned,
     hold_turn,
+    note,
 )
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
@@ -41,7 +42,7 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
     """The driver for nodes with so many degrees of freedom.
 
     Returns: function (call, data, at, uniforms, fields, free, mesh, momenta, memory, warm, loads, clock, stride,
-    frames, counts) -> (outcome, number of the save), where at = (number of rows, then the rows where residual,
+    frames, counts, history) -> (outcome, number of the save), where at = (number of rows, then the rows where residual,
     momentum, diagonal, upper and lower begin) and mesh = (chains of nodes, 1/extent).
     """
     solve = chain_solver(dofs)
@@ -51,7 +52,7 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
         call, data, at, uniforms, fields, free, mesh, momenta, loads, number, work, careful
     ):
         """Solve one step; returns (iterations, node of the largest correction, converged); see galerkin._newton."""
-        upper, right, accepted, taken, push = work
+        upper, right, accepted, taken, push, history = work
         chains, extent = mesh
         nodes = momenta.shape[0]
         last, part, worst = math.inf, 1.0, 0
@@ -64,16 +65,18 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
                 block, lane = 1 + a // lanes, a % lanes
                 for d in range(dofs):
                     right[a, d] = -(momenta[a, d] + data[block, at[1] + d, lane] + push[a, d])
+            residual = np.abs(right).max()
             for c in range(chains.shape[0]):
                 solve(data, at[3:], chains[c, 0], chains[c, 1], free, upper, right)
             size, turn, worst = _measure(right, fields, extent)
-            if careful and not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
+            note(history, iteration, size, residual)
+            if careful and not size <= max(LARGEST_GROWTH * last, FLOOR) and part > SMALLEST_PART:  # also for NaN
                 part *= 0.5
                 _swap(data, at[0], accepted, nodes, False)
                 _move(data, at[0], taken, fields, part)
                 _hold(data, at[0], fields, free)
                 continue
-            if not math.isfinite(size) or (not careful and size > WILD_GROWTH * last):
+            if not math.isfinite(size) or (not careful and size > max(WILD_GROWTH * last, FLOOR)):
                 return iteration + 1, worst, False
             _swap(data, at[0], accepted, nodes, True)
             taken[:] = right
@@ -89,12 +92,27 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
 
     @njit(**_options)
     def advance(  # type: ignore[no-untyped-def]
-        call, data, at, uniforms, fields, free, mesh, momenta, memory, warm, loads, clock, stride, frames, counts
+        call,
+        data,
+        at,
+        uniforms,
+        fields,
+        free,
+        mesh,
+        momenta,
+        memory,
+        warm,
+        loads,
+        clock,
+        stride,
+        frames,
+        counts,
+        history,
     ):
         nodes, rows, lanes = momenta.shape[0], at[0], data.shape[2]
         upper, right = np.zeros((nodes, dofs, dofs)), np.zeros((nodes, dofs))
         accepted, taken, push = np.zeros((nodes, rows)), np.zeros((nodes, dofs)), np.zeros((nodes, 2 * dofs))
-        work, reached = (upper, right, accepted, taken, push), np.zeros((nodes, rows))
+        work, reached = (upper, right, accepted, taken, push, history), np.zeros((nodes, rows))
         uniforms[0] = clock[1]
         for save in range(frames.shape[0]):
             for j in range(stride):

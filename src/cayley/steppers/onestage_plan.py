@@ -6,7 +6,7 @@ import numpy as np
 
 from cayley.discrete.fused import FusedRows, fused_rows
 from cayley.steppers import onestage
-from cayley.steppers.galerkin_plan import field_table, load_entries, reach, recall, stage_table
+from cayley.steppers.galerkin_plan import HISTORY, Advance, field_table, load_entries, reach, recall, stage_table
 from cayley.steppers.outcome import Outcome
 from cayley.system.system import State, System, aligned, scatter
 
@@ -59,15 +59,13 @@ def make_plan(system: System, state: State) -> Plan:
     )
 
 
-def advance(
-    system: System, plan: Plan, state: State, stride: int, frames: np.ndarray
-) -> tuple[Outcome, int, np.ndarray, np.ndarray]:
-    """One call of the driver; returns the outcome, the frames reached, counts (see steppers.galerkin) and memory."""
+def advance(system: System, plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
+    """One call of the driver."""
     rows, layout = plan.rows, system.layout
     data = _pack(system, state, rows)
     table = stage_table(system, state, np.array([0.5]), len(frames) * stride)
     momenta, memory, warm = recall(system, state)
-    counts = np.zeros(4, dtype=np.int64)
+    counts, history = np.zeros(4, dtype=np.int64), np.full((HISTORY, 2), np.nan)
     starts = [part.start for part in (rows.residual, rows.momentum, rows.diagonal, rows.upper, rows.lower)]
     at = np.array([layout.rows, *starts], dtype=np.int64)
     clock = np.array([state.origin, state.h, float(state.step)])
@@ -76,9 +74,9 @@ def advance(
     uniforms = plan.uniforms.copy()
     code, reached = onestage.driver(layout.dofs)(
         *(plan.call, data, at, uniforms, plan.fields, system.free, mesh, momenta, memory, warm),
-        *(loads, clock, stride, frames, counts),
+        *(loads, clock, stride, frames, counts, history),
     )
-    return list(Outcome)[code], reached, counts, memory
+    return Advance(list(Outcome)[code], reached, counts, memory, history)
 
 
 def _pack(system: System, state: State, rows: FusedRows) -> np.ndarray:

@@ -3,6 +3,8 @@
 import enum
 from dataclasses import dataclass
 
+import numpy as np
+
 from cayley.system.system import State
 
 
@@ -23,9 +25,12 @@ class Result:
         state: the last good saved state.
         step: number of the step that failed, or the last one.
         node: node that failed, or -1.
+        history: of a step that was not solved, relative correction and largest residual [N s, N m s] of the last
+            iterations, shape (k, 2); NaN where there was none.
     """
 
     outcome: Outcome
     state: State
     step: int
     node: int = -1
+    history: np.ndarray | None = None
