@@ -126,17 +126,15 @@ class Discrete:
         after[:, p] = quaternion.multiply(values[:, p], turn)
         return after
 
-    def settled(self, load_steps=(1.0,), tolerance=1e-10):
-        """Values of all nodes in equilibrium with the dead loads, put on in steps, by Newton's method."""
-        values, load = self.system.reference.copy(), self.node_terms()[0]
-        for share in load_steps:
-            for _ in range(40):
+    def settled(self, start=None, shares=(1.0,)):
+        """Values of all nodes in equilibrium with the dead loads, put on in shares, by Newton's method."""
+        values, load = self.system.reference if start is None else start, self.node_terms()[0]
+        for share in shares:
+            size, corrections = np.inf, 0
+            while size > (1e-10 if share == shares[-1] else 0.05):
                 forces, stiffness = self.strained(values)
                 step = spsolve(stiffness, (forces + share * load)[self.free])
-                size = np.abs(step).max()
+                size, corrections = np.abs(step).max(), corrections + 1
                 values = self.moved(values, step * min(1.0, 0.5 / size))
-                if size < (tolerance if share == load_steps[-1] else 0.05):
-                    break
-            else:
-                raise AssertionError(f"no equilibrium under {share} of the load: the last correction is {size:.1e}")
+                assert corrections < 40, f"no equilibrium under {share} of the load: the last correction is {size:.1e}"
         return values
