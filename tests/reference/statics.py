@@ -19,32 +19,44 @@ from cayley.system.discretize import discretize
 
 
 def forces_on_nodes(equations, nodes, length):
-    """Forces of the strain on the nodes of one element, as the steppers of the rule have them, and their parameters."""
-    layout, rule, d = equations.layout, equations.rule, equations.layout.dofs
-    ends = [to_sx(n) for n in nodes]
-    if not rule.implicit:
-        place = {"inverse": wrap(1.0 / length)} | {n: wrap(ca.SX(0)) for n in ("left", "right", "t")}
-        found = element_forces(equations.density, rule.strain, layout, tuple(nodes), place)
-        return length * ca.vertcat(*[to_sx(f) for f in found])
-    if rule.one_stage:  # both ends of a step of 1 s alike, no inertia: the residual is half the force
-        program, rows = equations.program("fused"), fused_rows(equations.density, layout, ())
-        residual = dict(program.stores)
-        own, handed = [residual[i] for i in range(rows.residual.start, rows.residual.stop)], program.steps[0].values[:d]
-        at = {(r, s): e for s in (0, 1) for r, e in zip(range(rows.count), ca.vertsplit(ca.vertcat(ends[s], ends[s])))}
-        at |= {(rows.named[n], 0): v for n, v in (("weight", 0), ("here", 0), ("length", length), ("inverse", 1 / length))}
-        known = [s for s, *_ in program.lanes] + [program.uniforms[0], program.uniforms[1], *program.steps[1].targets]
-        given = [at[r, s] for _, r, s in program.lanes] + [1, 0] + [0] * len(program.steps[1].targets)
-        return 2.0 * ca.substitute(ca.vertcat(*own, *handed), ca.vertcat(*known), ca.vertcat(*given))
-    program, forces = equations.program("strain_point"), [0] * len(nodes)
-    inputs, size = [s for s, *_ in program.lanes], 2 * layout.rows
-    gradient = ca.vertcat(*[value for _, value in program.stores[1 : 1 + size]])
+    """Forces of the strain on the nodes of one element, from what the steppers of the rule compile."""
+    density, rule, layout = equations.density, equations.rule, equations.layout
+    if rule.one_stage:
+        return fused_forces(equations, [to_sx(n) for n in nodes], length)
+    if rule.implicit:
+        return point_forces(equations, nodes, length)
+    place = {"inverse": wrap(1.0 / length)} | {n: wrap(ca.SX(0)) for n in ("left", "right", "t")}
+    return length * ca.vertcat(*[to_sx(f) for f in element_forces(density, rule.strain, layout, tuple(nodes), place)])
+
+
+def fused_forces(equations, ends, length):
+    """Twice the residual of a step of 1 s that begins and ends alike, of nodes without weight."""
+    program, rows = equations.program("fused"), fused_rows(equations.density, equations.layout, ())
+    residual, handed = dict(program.stores), program.steps[0].values[: equations.layout.dofs]
+    at = {}
+    for shift in (0, 1):
+        at |= {(r, shift): v for r, v in enumerate(ca.vertsplit(ca.vertcat(ends[shift], ends[shift])))}
+    named = {"weight": 0, "here": 0, "length": length, "inverse": 1.0 / length}
+    at |= {(row, 0): named[name] for name, row in rows.named.items()}
+    carried = program.steps[1].targets
+    known = [s for s, *_ in program.lanes] + [*program.uniforms[:2], *carried]
+    given = [at[row, shift] for _, row, shift in program.lanes] + [1, 0] + [0] * len(carried)
+    both = ca.vertcat(*[residual[i] for i in range(rows.residual.start, rows.residual.stop)], *handed)
+    return 2.0 * ca.substitute(both, ca.vertcat(*known), ca.vertcat(*given))
+
+
+def point_forces(equations, nodes, length):
+    """−Σ over Gauss points of weight × length × ∂W/∂(z, z′) contracted with φ, φ′ and the turning of the nodes."""
+    program, layout, rule = equations.program("strain_point"), equations.layout, equations.rule
+    rows, forces = ca.horzcat(*[to_sx(n) for n in nodes]), [ca.SX(0)] * len(nodes)
+    known = ca.vertcat(*[s for s, *_ in program.lanes], program.uniforms[0])
+    gradient = ca.vertcat(*[value for _, value in program.stores[1 : 1 + 2 * layout.rows]])
     for phi, slope, weight in zip(*lagrange(lobatto(rule.degree), rule.strain.at), rule.strain.weights, strict=True):
-        z = sum((c * e for c, e in zip(phi, ends, strict=True)), start=ca.SX(0))
-        dz = sum((c * e for c, e in zip(slope, ends, strict=True)), start=ca.SX(0)) / length
-        g = ca.substitute(gradient, ca.vertcat(*inputs, program.uniforms[0]), ca.vertcat(z, dz, 0, 1 / length, 0))
-        for i in range(len(nodes)):
+        point = ca.vertcat(rows @ phi, rows @ slope / length, 0, 1.0 / length, 0)
+        g = ca.substitute(gradient, known, point)
+        for i, node in enumerate(nodes):
             pulled = length * phi[i] * g[: layout.rows] + slope[i] * g[layout.rows :]
-            forces[i] -= weight * turned(layout, nodes[i]).T @ pulled
+            forces[i] = forces[i] - weight * turned(layout, node).T @ pulled
     return ca.vertcat(*forces)
 
 

@@ -27,7 +27,7 @@ def rubber(length, elements, shear=1.0):
 
 @functools.cache
 def settled(length, elements, rule, shear=1.0):
-    """Coordinates and values of the nodes in equilibrium, found from those of a finer mesh or other shear; the finest by adding load."""
+    """A rod and its equilibrium, found from a finer mesh or another shear stiffness; the finest by adding load."""
     discrete = Discrete(rubber(length, elements, shear)[1], rule)
     if (rule, shear) == (FINE, 1.0):
         return discrete, discrete.settled(shares=np.geomspace(3e-3, 1.0, 8))
@@ -81,9 +81,7 @@ def test_what_coarse_meshes_of_the_rubber_pendulum_miss():
     np.testing.assert_allclose(stiff, soft, rtol=0.1)
 
 
-@pytest.mark.parametrize(
-    "rule", [cy.rules.verlet, cy.rules.midpoint, cy.rules.screw, cy.rules.screw_midpoint], ids=str
-)
+@pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.midpoint, cy.rules.screw, cy.rules.screw_midpoint], ids=str)
 def test_order_of_two_node_rules(rule):
     """2, for every rule that takes two nodes."""
     meshes = (16, 32, 64, 128)
@@ -92,7 +90,10 @@ def test_order_of_two_node_rules(rule):
 
 @pytest.mark.parametrize(
     "rule",
-    [*(cy.rules.verlet, cy.rules.midpoint, cy.rules.screw, cy.rules.screw_midpoint), galerkin(time=2, space=3)],
+    [
+        *(cy.rules.verlet, cy.rules.screw, galerkin(time=2, space=3)),
+        *(pytest.param(rule, marks=pytest.mark.slow) for rule in (cy.rules.midpoint, cy.rules.screw_midpoint)),
+    ],
     ids=str,
 )
 def test_a_run_stays_in_equilibrium(rule):

@@ -32,7 +32,7 @@ def errors(rule, slenderness, elements):
     kind, layout = discrete.free % discrete.layout.dofs, discrete.layout
     plane = np.flatnonzero((kind == layout.dofs_of("x").start + 1) | (kind == layout.dofs_of("p").start))
     stiffness = discrete.strained(discrete.system.reference)[1].toarray()[np.ix_(plane, plane)]
-    flexibility = np.linalg.inv(stiffness)  # its largest eigenvalues survive the rounding, not the smallest of the other
+    flexibility = np.linalg.inv(stiffness)  # whose largest eigenvalues survive rounding
     root = np.sqrt(discrete.node_terms()[1][plane])
     tip = np.flatnonzero(kind[plane] == layout.dofs_of("x").start + 1)[-1]
     squares = np.linalg.eigvalsh(0.5 * root[:, None] * (flexibility + flexibility.T) * root)[::-1][:3]
