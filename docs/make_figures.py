@@ -193,14 +193,15 @@ def draw_slender() -> None:
             label = f"{rule}, {elements} elements" if mode == 0 else None
             axes[0].loglog(slenderness, found[:, mode], f"{mark}-", lw=0.6, ms=4, color=color, mfc="none", label=label)
         print(f"slender {rule}, {elements} elements: errors {[[f'{e:.1e}' for e in row] for row in found]}")
-    axes[0].set(xlabel="l √(A/I)", ylabel="relative error", title="three frequencies of a clamped rod", ylim=(1e-10, 1e6))
+    axes[0].set(xlabel="l √(A/I)", ylabel="relative error", ylim=(1e-10, 1e6), title="frequencies of a clamped rod")
     meshes = np.array([4, 8, 12, 16, 24, 32, 48, 64])
     for length, line in ((0.25, "o-"), (1.0, "s--")):
         for m in (1, 2, 3):
             found = test_sag.errors(length, cy.rules.galerkin(time=1, space=m), meshes)
             label = f"m = {m}, {length} m"
             axes[1].loglog(1.0 / meshes, found, line, lw=0.6, ms=4, color=colors[m], mfc="none", label=label)
-            print(f"sag m {m}, {length} m: {[f'{e:.1e}' for e in found]}, {np.round(test_sag.orders(meshes, found), 2)}")
+            observed = np.round(test_sag.orders(meshes, found), 2)
+            print(f"sag m {m}, {length} m: {[f'{e:.1e}' for e in found]}, {observed}")
     axes[1].set(xlabel="element length/rod length", ylabel="error/rod length", title="sag of a clamped rubber rod")
     axes[1].xaxis.set_minor_formatter("")
     for ax, where in zip(axes, ("upper left", "lower right"), strict=True):

@@ -66,6 +66,13 @@ def test_order_of_the_sag(degree, meshes, shear):
     assert np.all(np.abs(orders(meshes, found) - 2 * degree) < 0.2), found
 
 
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_shear_stiffness_does_not_enter_the_error(degree):
+    """A hundred times the shear stiffness, elements of 3 to 70 lengths √(EI/κGA): the same error to 1 %."""
+    soft, stiff = (errors(0.25, galerkin(time=1, space=degree), (8, 16), shear) for shear in (1.0, 100.0))
+    np.testing.assert_allclose(stiff, soft, rtol=0.01)
+
+
 @pytest.mark.parametrize(("degree", "meshes"), [(1, (48, 64, 96, 128)), (2, (32, 48, 64, 96)), (3, (32, 40, 48, 64))])
 def test_order_of_the_rubber_pendulum(degree, meshes):
     """2m at 1 m too, once elements are shorter than √(EI/weight) = 54 mm, in which the rod turns down."""
@@ -77,8 +84,8 @@ def test_what_coarse_meshes_of_the_rubber_pendulum_miss():
     """Longer elements of degree 3 read 4 to 5, whatever the shear stiffness: the bend at the clamp, not shear."""
     meshes = (8, 12, 16)
     soft, stiff = (errors(1.0, galerkin(time=1, space=3), meshes, shear) for shear in (1.0, 10.0))
-    assert np.all(np.abs(orders(meshes, soft) - 4.5) < 0.6), soft
-    np.testing.assert_allclose(stiff, soft, rtol=0.1)
+    assert np.all(np.abs(orders(meshes, soft) - 4.5) < 0.5), soft
+    np.testing.assert_allclose(stiff, soft, rtol=0.02)
 
 
 @pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.midpoint, cy.rules.screw, cy.rules.screw_midpoint], ids=str)
@@ -88,14 +95,7 @@ def test_order_of_two_node_rules(rule):
     assert np.all(np.abs(slopes(errors(0.25, rule, meshes)) - 2.0) < 0.2)
 
 
-@pytest.mark.parametrize(
-    "rule",
-    [
-        *(cy.rules.verlet, cy.rules.screw, galerkin(time=2, space=3)),
-        *(pytest.param(rule, marks=pytest.mark.slow) for rule in (cy.rules.midpoint, cy.rules.screw_midpoint)),
-    ],
-    ids=str,
-)
+@pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.screw, galerkin(time=2, space=3)], ids=str)
 def test_a_run_stays_in_equilibrium(rule):
     """What is solved here is at rest for the compiled steps: nothing moves by more than Newton's tolerance."""
     rod, model = rubber(0.25, 8)
