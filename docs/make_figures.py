@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
 import cayley as cy  # noqa: E402
+from reference import test_sag, test_slender  # noqa: E402
 from reference.straight_rod import predicted_compliance, slender, stiffnesses, tip_compliance  # noqa: E402
 from verify.problems import (  # noqa: E402
     TOP,
@@ -179,6 +180,35 @@ def draw_locking() -> None:
     save(fig, "verify_locking.png")
 
 
+def draw_slender() -> None:
+    """Errors of three frequencies of a clamped rod against its slenderness; of a sagging rod against its mesh."""
+    fig, axes = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")
+    colors = {1: "#1f6f8b", 2: "#c0532b", 3: "#5b8c3a"}
+    slenderness = np.geomspace(10, 10_000, 7)
+    cases = [(cy.rules.verlet, 20), *((cy.rules.galerkin(time=1, space=m), 24 // m) for m in (2, 3))]
+    for rule, elements in (*cases, (cy.rules.nodal, 20)):
+        found = np.abs([test_slender.errors(rule, float(ratio), elements)[1] for ratio in slenderness])
+        color = colors[rule.degree] if rule != cy.rules.nodal else "0.6"
+        for mode, mark in enumerate("osv"):
+            label = f"{rule}, {elements} elements" if mode == 0 else None
+            axes[0].loglog(slenderness, found[:, mode], f"{mark}-", lw=0.6, ms=4, color=color, mfc="none", label=label)
+        print(f"slender {rule}, {elements} elements: errors {[[f'{e:.1e}' for e in row] for row in found]}")
+    axes[0].set(xlabel="l √(A/I)", ylabel="relative error", ylim=(1e-10, 1e6), title="frequencies of a clamped rod")
+    meshes = np.array([4, 8, 12, 16, 24, 32, 48, 64])
+    for length, line in ((0.25, "o-"), (1.0, "s--")):
+        for m in (1, 2, 3):
+            found = test_sag.errors(length, cy.rules.galerkin(time=1, space=m), meshes)
+            label = f"m = {m}, {length} m"
+            axes[1].loglog(1.0 / meshes, found, line, lw=0.6, ms=4, color=colors[m], mfc="none", label=label)
+            observed = np.round(test_sag.orders(meshes, found), 2)
+            print(f"sag m {m}, {length} m: {[f'{e:.1e}' for e in found]}, {observed}")
+    axes[1].set(xlabel="element length/rod length", ylabel="error/rod length", title="sag of a clamped rubber rod")
+    axes[1].xaxis.set_minor_formatter("")
+    for ax, where in zip(axes, ("upper left", "lower right"), strict=True):
+        ax.legend(frameon=False, fontsize=7, loc=where)
+    save(fig, "verify_slender.png")
+
+
 def guide(ax: Any, x: np.ndarray, y: Any) -> None:
     """A line of slope 2 through the finest point."""
     x = np.asarray(x)
@@ -201,3 +231,4 @@ if __name__ == "__main__":
     draw_order()
     draw_long_runs()
     draw_locking()
+    draw_slender()

@@ -1,0 +1,152 @@
+"""Statics and small vibrations of a discretized model, from the discrete equations of its rule."""
+
+import functools
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.linalg import spsolve
+
+from cayley.density.expression import symbols, to_sx, wrap
+from cayley.discrete.element import element_forces
+from cayley.discrete.fused import fused_rows
+from cayley.discrete.node import mass_matrix, node_load, node_point
+from cayley.discrete.rules import lagrange, lobatto
+from cayley.lie import quaternion
+from cayley.system.discretize import discretize
+
+
+def forces_on_nodes(equations, nodes, length):
+    """Forces of the strain on the nodes of one element, from what the steppers of the rule compile."""
+    density, rule, layout = equations.density, equations.rule, equations.layout
+    if rule.one_stage:
+        return fused_forces(equations, [to_sx(n) for n in nodes], length)
+    if rule.implicit:
+        return point_forces(equations, nodes, length)
+    place = {"inverse": wrap(1.0 / length)} | {n: wrap(ca.SX(0)) for n in ("left", "right", "t")}
+    return length * ca.vertcat(*[to_sx(f) for f in element_forces(density, rule.strain, layout, tuple(nodes), place)])
+
+
+def fused_forces(equations, ends, length):
+    """Twice the residual of a step of 1 s that begins and ends alike, of nodes without weight."""
+    program, rows = equations.program("fused"), fused_rows(equations.density, equations.layout, ())
+    residual, handed = dict(program.stores), program.steps[0].values[: equations.layout.dofs]
+    at = {}
+    for shift in (0, 1):
+        at |= {(r, shift): v for r, v in enumerate(ca.vertsplit(ca.vertcat(ends[shift], ends[shift])))}
+    named = {"weight": 0, "here": 0, "length": length, "inverse": 1.0 / length}
+    at |= {(row, 0): named[name] for name, row in rows.named.items()}
+    carried = program.steps[1].targets
+    known = [s for s, *_ in program.lanes] + [*program.uniforms[:2], *carried]
+    given = [at[row, shift] for _, row, shift in program.lanes] + [1, 0] + [0] * len(carried)
+    both = ca.vertcat(*[residual[i] for i in range(rows.residual.start, rows.residual.stop)], *handed)
+    return 2.0 * ca.substitute(both, ca.vertcat(*known), ca.vertcat(*given))
+
+
+def point_forces(equations, nodes, length):
+    """−Σ over Gauss points of weight × length × ∂W/∂(z, z′) contracted with φ, φ′ and the turning of the nodes."""
+    program, layout, rule = equations.program("strain_point"), equations.layout, equations.rule
+    rows, forces = ca.horzcat(*[to_sx(n) for n in nodes]), [ca.SX(0)] * len(nodes)
+    known = ca.vertcat(*[s for s, *_ in program.lanes], program.uniforms[0])
+    gradient = ca.vertcat(*[value for _, value in program.stores[1 : 1 + 2 * layout.rows]])
+    for phi, slope, weight in zip(*lagrange(lobatto(rule.degree), rule.strain.at), rule.strain.weights, strict=True):
+        point = ca.vertcat(rows @ phi, rows @ slope / length, 0, 1.0 / length, 0)
+        g = ca.substitute(gradient, known, point)
+        for i, node in enumerate(nodes):
+            pulled = length * phi[i] * g[: layout.rows] + slope[i] * g[layout.rows :]
+            forces[i] = forces[i] - weight * turned(layout, node).T @ pulled
+    return ca.vertcat(*forces)
+
+
+def turned(layout, node):
+    """Derivative of a node's rows along its degrees of freedom, shape (rows, dofs)."""
+    found = np.zeros((layout.rows, layout.dofs), dtype=object)
+    for name in layout.fields:
+        own = layout.representation.tangent(node[layout.rows_of(name)]) if name in layout.rotations else np.eye(3)
+        found[layout.rows_of(name), layout.dofs_of(name)] = own
+    return to_sx(wrap(found))
+
+
+@functools.cache
+def functions(of):
+    """(rows of the nodes, length, parameters) -> forces, stiffness of an element; (node, parameters) -> load, mass."""
+    equations, layout, density = of.equations, of.equations.layout, of.equations.density
+    nodes = [symbols(f"n{i}_", layout.rows) for i in range(equations.rule.degree + 1)]
+    length, rows = ca.SX.sym("length"), ca.vertcat(*[to_sx(n) for n in nodes])
+    forces = forces_on_nodes(equations, nodes, length)
+    stiffness = -ca.jacobian(forces, rows) @ ca.diagcat(*[turned(layout, n) for n in nodes])
+    inputs = [ca.vertcat(rows, length, density.parameters)]
+    element = ca.Function("element", inputs, [ca.densify(forces), ca.densify(stiffness)])
+    place = {n: wrap(ca.SX(0)) for n in ("here", "t")}
+    load = to_sx(node_load(density, layout, nodes[0], place))
+    mass = mass_matrix(density, layout, node_point(layout, nodes[0], density.lagrangian.interval, place))
+    return element, ca.Function("node", [to_sx(nodes[0]), density.parameters], [ca.densify(load), ca.densify(mass)])
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Equations, equal where they were derived from the same text."""
+
+    signature: str
+    equations: Any = field(compare=False)
+
+
+class Discrete:
+    """A model discretized by a rule: forces, stiffness and masses at given values of its nodes."""
+
+    def __init__(self, model, rule):
+        """Find the elements and the free unknowns."""
+        self.system = discretize(model, rule)
+        equations, self.layout = self.system.equations, self.system.layout
+        self.element, self.node = functions(Derived(equations.signature, equations))
+        self.parameters = np.array(equations.density.values)
+        first = np.arange(0, self.system.size - 1, rule.degree)
+        self.nodes = first[:, None] + np.arange(rule.degree + 1)
+        self.lengths = np.add.reduceat(self.system.named["length"][:-1], first)
+        self.free = np.flatnonzero(self.system.free.reshape(-1))
+
+    def strained(self, values):
+        """Forces of the strain (all unknowns) and stiffness (free ones)."""
+        d, count = self.layout.dofs, len(self.lengths)
+        constants = np.broadcast_to(self.parameters, (count, len(self.parameters)))
+        columns = np.hstack([values[self.nodes].reshape(count, -1), self.lengths[:, None], constants]).T
+        f, k = (np.asarray(m) for m in self.element(columns))
+        where = (self.nodes[:, :, None] * d + np.arange(d)).reshape(count, -1)
+        forces = np.bincount(where.T.reshape(-1), f.reshape(-1), self.system.size * d)
+        blocks = k.reshape(len(f), count, -1).transpose(1, 0, 2)
+        i, j = np.broadcast_to(where[:, :, None], blocks.shape), np.broadcast_to(where[:, None, :], blocks.shape)
+        stiffness = coo_array((blocks.reshape(-1), (i.reshape(-1), j.reshape(-1)))).tocsc()
+        return forces, stiffness[self.free][:, self.free]
+
+    def node_terms(self):
+        """Dead loads of the nodes (all unknowns) and lumped masses (free ones, the diagonal)."""
+        weight, node = self.system.named["weight"][:, None], self.system.reference[0]
+        load, mass = (np.asarray(m) for m in self.node(node, self.parameters))
+        return (weight * load.T).reshape(-1), (weight * np.diag(mass)).reshape(-1)[self.free]
+
+    def moved(self, values, step):
+        """Values after an increment of the free unknowns, p Cay(½ η) of rotations."""
+        full = np.zeros(self.system.size * self.layout.dofs)
+        full[self.free] = step
+        step, after = full.reshape(self.system.size, -1), values.copy()
+        x, p = self.layout.rows_of("x"), self.layout.rows_of("p")
+        after[:, x] += step[:, self.layout.dofs_of("x")]
+        turn = np.insert(0.5 * step[:, self.layout.dofs_of("p")], 0, 1.0, axis=1)
+        turn /= np.linalg.norm(turn, axis=1, keepdims=True)
+        after[:, p] = quaternion.multiply(values[:, p], turn)
+        return after
+
+    def settled(self, start=None, shares=(1.0,)):
+        """Values of all nodes in equilibrium with the dead loads, put on in shares, by Newton's method."""
+        values, load = self.system.reference if start is None else start, self.node_terms()[0]
+        for share in shares:
+            size, corrections = np.inf, 0
+            while size > (1e-10 if share == shares[-1] else 0.05):
+                forces, stiffness = self.strained(values)
+                step = spsolve(stiffness, (forces + share * load)[self.free])
+                size, corrections = np.abs(step).max(), corrections + 1
+                values = self.moved(values, step * min(1.0, 0.5 / size))
+                assert corrections < 40, f"no equilibrium under {share} of the load: the last correction is {size:.1e}"
+        return values
