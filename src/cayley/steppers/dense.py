@@ -1,8 +1,5 @@
 """Small dense linear algebra for drivers: LU with row pivots, and block elimination along a chain."""
 
-import functools
-from collections.abc import Callable
-
 import numpy as np
 from numba import njit
 
@@ -98,70 +95,72 @@ def subtract_vector(out: np.ndarray, a: np.ndarray, x: np.ndarray) -> None:
         out[i] -= total
 
 
-@functools.cache
-def chain_solver(n: int) -> Callable[..., None]:
-    """A solver of block tridiagonal systems whose blocks have n rows: a size known to the compiler unrolls its loops.
+@njit(**_options)
+def solve_chain(data, at, first, last, free, upper, right, dofs):  # type: ignore[no-untyped-def]
+    """Solve a block tridiagonal system.
 
-    Returns: function (data, lanes, at, first, last, free, upper, right) -> None. The blocks of node a are read from
-    data[1 + a // lanes, row, a % lanes], rows ``at`` = (diagonal, upper, lower), those of held components replaced;
-    right, shape (nodes, n), is replaced by the solution; upper, shape (nodes, n, n), is room.
+    Args:
+        data: the blocks of node a are read from data[1 + a // lanes, row, a % lanes], those of held components replaced.
+        at: first rows of the diagonal, upper and lower blocks.
+        first: first node of the chain.
+        last: node behind its last one.
+        free: False where a component is held, shape (nodes, n).
+        upper: room, shape (nodes, n, n).
+        right: replaced by the solution, shape (nodes, n).
+        dofs: a tuple of length n: a size known to the compiler unrolls its loops, and the function can be kept on disk.
     """
-
-    @njit(**_options)
-    def solve(data, at, first, last, free, upper, right):  # type: ignore[no-untyped-def]
-        lanes = data.shape[2]
-        a, b = np.empty((n, n)), np.empty((n, n + 1))
-        for k in range(first, last):
-            block, lane = 1 + k // lanes, k % lanes
+    n = len(dofs)
+    lanes = data.shape[2]
+    a, b = np.empty((n, n)), np.empty((n, n + 1))
+    for k in range(first, last):
+        block, lane = 1 + k // lanes, k % lanes
+        for i in range(n):
+            for j in range(n):
+                a[i, j] = data[block, at[0] + i * n + j, lane]
+                b[i, j] = data[block, at[1] + i * n + j, lane]
+            b[i, n] = right[k, i]
+        if k > first:
+            behind, place = 1 + (k - 1) // lanes, (k - 1) % lanes
             for i in range(n):
-                for j in range(n):
-                    a[i, j] = data[block, at[0] + i * n + j, lane]
-                    b[i, j] = data[block, at[1] + i * n + j, lane]
-                b[i, n] = right[k, i]
-            if k > first:
-                behind, place = 1 + (k - 1) // lanes, (k - 1) % lanes
-                for i in range(n):
-                    for m in range(n):
-                        factor = data[behind, at[2] + i * n + m, place]
-                        for j in range(n):
-                            a[i, j] -= factor * upper[k - 1, m, j]
-                        b[i, n] -= factor * right[k - 1, m]
-            for i in range(n):
-                if not free[k, i]:
+                for m in range(n):
+                    factor = data[behind, at[2] + i * n + m, place]
                     for j in range(n):
-                        a[i, j], b[i, j] = 0.0, 0.0
-                    a[i, i], b[i, n] = 1.0, 0.0
-            for c in range(n):
-                best = c
-                for i in range(c + 1, n):
-                    if abs(a[i, c]) > abs(a[best, c]):
-                        best = i
-                if best != c:
-                    for j in range(n):
-                        a[c, j], a[best, j] = a[best, j], a[c, j]
-                    for j in range(n + 1):
-                        b[c, j], b[best, j] = b[best, j], b[c, j]
-                inverse = 1.0 / a[c, c]
+                        a[i, j] -= factor * upper[k - 1, m, j]
+                    b[i, n] -= factor * right[k - 1, m]
+        for i in range(n):
+            if not free[k, i]:
                 for j in range(n):
-                    a[c, j] *= inverse
+                    a[i, j], b[i, j] = 0.0, 0.0
+                a[i, i], b[i, n] = 1.0, 0.0
+        for c in range(n):
+            best = c
+            for i in range(c + 1, n):
+                if abs(a[i, c]) > abs(a[best, c]):
+                    best = i
+            if best != c:
+                for j in range(n):
+                    a[c, j], a[best, j] = a[best, j], a[c, j]
                 for j in range(n + 1):
-                    b[c, j] *= inverse
-                for i in range(n):
-                    if i != c:
-                        factor = a[i, c]
-                        for j in range(c + 1, n):
-                            a[i, j] -= factor * a[c, j]
-                        for j in range(n + 1):
-                            b[i, j] -= factor * b[c, j]
+                    b[c, j], b[best, j] = b[best, j], b[c, j]
+            inverse = 1.0 / a[c, c]
+            for j in range(n):
+                a[c, j] *= inverse
+            for j in range(n + 1):
+                b[c, j] *= inverse
             for i in range(n):
-                for j in range(n):
-                    upper[k, i, j] = b[i, j]
-                right[k, i] = b[i, n]
-        for k in range(last - 2, first - 1, -1):
-            for i in range(n):
-                total = 0.0
-                for j in range(n):
-                    total += upper[k, i, j] * right[k + 1, j]
-                right[k, i] -= total
-
-    return solve
+                if i != c:
+                    factor = a[i, c]
+                    for j in range(c + 1, n):
+                        a[i, j] -= factor * a[c, j]
+                    for j in range(n + 1):
+                        b[i, j] -= factor * b[c, j]
+        for i in range(n):
+            for j in range(n):
+                upper[k, i, j] = b[i, j]
+            right[k, i] = b[i, n]
+    for k in range(last - 2, first - 1, -1):
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += upper[k, i, j] * right[k + 1, j]
+            right[k, i] -= total

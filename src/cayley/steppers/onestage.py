@@ -8,15 +8,13 @@ but one kernel assembles residual, momenta and block tridiagonal tangent of all 
 is about ten times as fast as contracting point by point.
 """
 
-import functools
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numba import njit
 
 from cayley.steppers.calls import call_kernel, call_setup
-from cayley.steppers.dense import chain_solver
+from cayley.steppers.dense import solve_chain
 from cayley.steppers.galerkin import (
     FIRST_PART,
     FLOOR,
@@ -37,146 +35,142 @@ FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
-@functools.cache
-def driver(dofs: int) -> Callable[..., tuple[int, int]]:
-    """The driver for nodes with so many degrees of freedom.
+@njit(**_options)
+def advance(problem, memory, warm, clock, stride, frames, counts, history):  # type: ignore[no-untyped-def]
+    """Advance through len(frames) saves of stride steps each; see steppers.galerkin.advance.
 
-    Returns: function (call, data, at, uniforms, fields, free, mesh, momenta, memory, warm, loads, clock, stride,
-    frames, counts, history) -> (outcome, number of the save), where at = (number of rows, then the rows where residual,
-    momentum, diagonal, upper and lower begin) and mesh = (chains of nodes, 1/extent).
+    problem = (addresses of the kernel, blocks, rows, uniforms, fields, free, mesh, momenta, loads), where rows are their
+    number, then those where residual, momentum, diagonal, upper and lower begin, and mesh = (chains of nodes, 1/extent,
+    a tuple as long as a node has degrees of freedom).
+
+    Returns: (outcome, number of the save).
     """
-    solve = chain_solver(dofs)
-
-    @njit(**_options)
-    def newton(  # type: ignore[no-untyped-def]
-        call, data, at, uniforms, fields, free, mesh, momenta, loads, number, work, careful
-    ):
-        """Solve one step; returns (iterations, node of the largest correction, converged); see galerkin._newton."""
-        upper, right, accepted, taken, push, history = work
-        chains, extent = mesh
-        nodes = momenta.shape[0]
-        last, part, worst = math.inf, 1.0, 0
-        _swap(data, at[0], accepted, nodes, True)
-        for iteration in range(ITERATIONS if careful else QUICK_ITERATIONS):
-            call_kernel(call[0], data.ctypes.data, uniforms.ctypes.data, 1, data.shape[0] - 1)
-            _load(data, at, fields, loads, number, uniforms[0], push)
-            lanes = data.shape[2]
-            for a in range(nodes):
-                block, lane = 1 + a // lanes, a % lanes
-                for d in range(dofs):
-                    right[a, d] = -(momenta[a, d] + data[block, at[1] + d, lane] + push[a, d])
-            residual = np.abs(right).max()
-            for c in range(chains.shape[0]):
-                solve(data, at[3:], chains[c, 0], chains[c, 1], free, upper, right)
-            size, turn, worst = _measure(right, fields, extent)
-            note(history, iteration, size, residual)
-            if careful and not size <= max(LARGEST_GROWTH * last, FLOOR) and part > SMALLEST_PART:  # also for NaN
-                part *= 0.5
-                _swap(data, at[0], accepted, nodes, False)
-                _move(data, at[0], taken, fields, part)
-                _hold(data, at[0], fields, free)
-                continue
-            if not math.isfinite(size) or (not careful and size > max(WILD_GROWTH * last, FLOOR)):
-                return iteration + 1, worst, False
-            _swap(data, at[0], accepted, nodes, True)
-            taken[:] = right
-            part = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
-            _move(data, at[0], taken, fields, part)
-            _hold(data, at[0], fields, free)
-            if size <= STEP_TOLERANCE or (size <= FLOOR and size > 0.3 * last):
-                call_kernel(call[0], data.ctypes.data, uniforms.ctypes.data, 1, data.shape[0] - 1)
-                _load(data, at, fields, loads, number, uniforms[0], push)
-                return iteration + 1, worst, True
-            last = size
-        return ITERATIONS, worst, False
-
-    @njit(**_options)
-    def advance(  # type: ignore[no-untyped-def]
-        call,
-        data,
-        at,
-        uniforms,
-        fields,
-        free,
-        mesh,
-        momenta,
-        memory,
-        warm,
-        loads,
-        clock,
-        stride,
-        frames,
-        counts,
-        history,
-    ):
-        nodes, rows, lanes = momenta.shape[0], at[0], data.shape[2]
-        upper, right = np.zeros((nodes, dofs, dofs)), np.zeros((nodes, dofs))
-        accepted, taken, push = np.zeros((nodes, rows)), np.zeros((nodes, dofs)), np.zeros((nodes, 2 * dofs))
-        work, reached = (upper, right, accepted, taken, push, history), np.zeros((nodes, rows))
-        uniforms[0] = clock[1]
-        for save in range(frames.shape[0]):
-            for j in range(stride):
-                number = save * stride + j
-                uniforms[1] = clock[0] + (clock[2] + number + 0.5) * clock[1]
-                call_setup(call[1], uniforms.ctypes.data)
-                solved = False
-                for attempt in range(3):  # then with care, then with care from the safest start, the state itself
-                    _start(data, rows, memory, fields, nodes, attempt < 2 and (warm or number > 0))
-                    _hold(data, rows, fields, free)
-                    passes, worst, solved = newton(
-                        call, data, at, uniforms, fields, free, mesh, momenta, loads, number, work, attempt > 0
-                    )
-                    counts[0] += passes
-                    counts[1] = max(counts[1], passes)
-                    if solved:
-                        break
-                if not solved:
-                    _start(data, rows, memory, fields, nodes, False)
-                    size, good, growth = FIRST_PART, 0.0, 2.0
-                    while True:  # a short step first, from its end longer ones: the step itself stays what it is
-                        uniforms[0] = size * clock[1]
-                        call_setup(call[1], uniforms.ctypes.data)
-                        passes, worst, solved = newton(
-                            call, data, at, uniforms, fields, free, mesh, momenta, loads, number, work, False
-                        )
-                        counts[0] += passes
-                        if solved and size == 1.0:
-                            break
-                        if solved:
-                            good = size
-                            _swap(data, rows, reached, nodes, True)
-                        else:
-                            growth = math.sqrt(growth)
-                            if good == 0.0 or growth < SMALLEST_GROWTH:
-                                break
-                            _swap(data, rows, reached, nodes, False)
-                        size = min(1.0, good * growth)
-                        _stretch(data, rows, fields, nodes, size / good)
-                        _hold(data, rows, fields, free)
-                    uniforms[0] = clock[1]
-                counts[2], counts[3] = number, worst
-                if not solved:
-                    return NOT_CONVERGED, save
-                _hand_on(data, at, fields, free, momenta, push)
-                for a in range(nodes):
-                    block, lane = 1 + a // lanes, a % lanes
-                    for row in range(rows):
-                        memory[a, 0, row] = data[block, row, lane]
-                        data[block, row, lane] = data[block, rows + row, lane]
-            check = 0.0
+    call, data, at, uniforms, fields, free, mesh, momenta, _ = problem
+    nodes, dofs, rows, lanes = momenta.shape[0], len(mesh[2]), at[0], data.shape[2]
+    upper, right = np.zeros((nodes, dofs, dofs)), np.zeros((nodes, dofs))
+    accepted, taken, push = np.zeros((nodes, rows)), np.zeros((nodes, dofs)), np.zeros((nodes, 2 * dofs))
+    work = (upper, right, accepted, taken, push, history)
+    uniforms[0] = clock[1]
+    for save in range(frames.shape[0]):
+        for j in range(stride):
+            number = save * stride + j
+            uniforms[1] = clock[0] + (clock[2] + number + 0.5) * clock[1]
+            call_setup(call[1], uniforms.ctypes.data)
+            solved, worst = _solve_step(problem, memory, warm or number > 0, number, work, counts)
+            counts[2], counts[3] = number, worst
+            if not solved:
+                return NOT_CONVERGED, save
+            _hand_on(data, at, fields, free, momenta, push)
             for a in range(nodes):
                 block, lane = 1 + a // lanes, a % lanes
                 for row in range(rows):
-                    frames[save, a, row] = data[block, row, lane]
-                    check += 0.0 * data[block, row, lane]
-                for d in range(dofs):
-                    frames[save, a, rows + d] = momenta[a, d]
-                    check += 0.0 * momenta[a, d]
-            if not math.isfinite(check):
-                return NOT_FINITE, save
-        return FINISHED, frames.shape[0]
+                    memory[a, 0, row] = data[block, row, lane]
+                    data[block, row, lane] = data[block, rows + row, lane]
+        check = 0.0
+        for a in range(nodes):
+            block, lane = 1 + a // lanes, a % lanes
+            for row in range(rows):
+                frames[save, a, row] = data[block, row, lane]
+                check += 0.0 * data[block, row, lane]
+            for d in range(dofs):
+                frames[save, a, rows + d] = momenta[a, d]
+                check += 0.0 * momenta[a, d]
+        if not math.isfinite(check):
+            return NOT_FINITE, save
+    return FINISHED, frames.shape[0]
 
-    return advance
+
+@njit(**_options)
+def _solve_step(problem, memory, warm, number, work, counts):  # type: ignore[no-untyped-def]
+    """Newton's method, then with care, then with care from the state itself, then along shorter steps."""
+    _, data, at, _, fields, free, _, momenta, _ = problem
+    for attempt in range(3):
+        _start(data, at[0], memory, fields, momenta.shape[0], attempt < 2 and warm)
+        _hold(data, at[0], fields, free)
+        passes, worst, solved = _newton(problem, number, work, attempt > 0)
+        counts[0] += passes
+        counts[1] = max(counts[1], passes)
+        if solved:
+            return True, worst
+    _start(data, at[0], memory, fields, momenta.shape[0], False)
+    return _follow(problem, number, work, counts)
+
+
+@njit(**_options)
+def _follow(problem, number, work, counts):  # type: ignore[no-untyped-def]
+    """Follow the solution from that of a much shorter step; see galerkin._follow."""
+    call, data, at, uniforms, fields, free, _, momenta, _ = problem
+    nodes, rows, h = momenta.shape[0], at[0], uniforms[0]
+    reached = np.zeros((nodes, rows))
+    size, good, growth = FIRST_PART, 0.0, 2.0
+    while True:
+        uniforms[0] = size * h
+        call_setup(call[1], uniforms.ctypes.data)
+        passes, worst, solved = _newton(problem, number, work, False)
+        counts[0] += passes
+        if solved and size == 1.0:
+            return True, worst
+        if solved:
+            good = size
+            _swap(data, rows, reached, nodes, True)
+        else:
+            growth = math.sqrt(growth)
+            if good == 0.0 or growth < SMALLEST_GROWTH:
+                uniforms[0] = h
+                return False, worst
+            _swap(data, rows, reached, nodes, False)
+        size = min(1.0, good * growth)
+        _stretch(data, rows, fields, nodes, size / good)
+        _hold(data, rows, fields, free)
+
+
+@njit(**_options)
+def _newton(problem, number, work, careful):  # type: ignore[no-untyped-def]
+    """Solve one step; returns (iterations, node of the largest correction, converged); see galerkin._newton."""
+    _, data, at, _, fields, free, mesh, momenta, _ = problem
+    upper, right, accepted, taken, push, history = work
+    chains, extent, size_of_node = mesh
+    nodes, dofs, lanes = momenta.shape[0], len(size_of_node), data.shape[2]
+    last, part, worst = math.inf, 1.0, 0
+    _swap(data, at[0], accepted, nodes, True)
+    for iteration in range(ITERATIONS if careful else QUICK_ITERATIONS):
+        _assemble(problem, number, push)
+        residual = 0.0
+        for a in range(nodes):
+            block, lane = 1 + a // lanes, a % lanes
+            for d in range(dofs):
+                right[a, d] = -(momenta[a, d] + data[block, at[1] + d, lane] + push[a, d]) if free[a, d] else 0.0
+                residual = max(residual, abs(right[a, d]))
+        for c in range(chains.shape[0]):
+            solve_chain(data, at[3:], chains[c, 0], chains[c, 1], free, upper, right, size_of_node)
+        size, turn, worst = _measure(right, fields, extent)
+        note(history, iteration, size, residual)
+        if careful and not size <= max(LARGEST_GROWTH * last, FLOOR) and part > SMALLEST_PART:  # also for NaN
+            part *= 0.5
+            _swap(data, at[0], accepted, nodes, False)
+            _move(data, at[0], taken, fields, part)
+            _hold(data, at[0], fields, free)
+            continue
+        if not math.isfinite(size) or (not careful and size > max(WILD_GROWTH * last, FLOOR)):
+            return iteration + 1, worst, False
+        _swap(data, at[0], accepted, nodes, True)
+        taken[:] = right
+        part = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
+        _move(data, at[0], taken, fields, part)
+        _hold(data, at[0], fields, free)
+        if size <= STEP_TOLERANCE or (size <= FLOOR and size > 0.3 * last):
+            _assemble(problem, number, push)
+            return iteration + 1, worst, True
+        last = size
+    return ITERATIONS, worst, False
+
+
+@njit(**_options)
+def _assemble(problem, number, push):  # type: ignore[no-untyped-def]
+    """Residual, momenta and tangent of all nodes by the kernel, and loads."""
+    call, data, at, uniforms, fields, _, _, _, loads = problem
+    call_kernel(call[0], data.ctypes.data, uniforms.ctypes.data, 1, data.shape[0] - 1)
+    _load(data, at, fields, loads, number, uniforms[0], push)
 
 
 @njit(**_options)

@@ -69,13 +69,10 @@ def advance(system: System, plan: Plan, state: State, stride: int, frames: np.nd
     starts = [part.start for part in (rows.residual, rows.momentum, rows.diagonal, rows.upper, rows.lower)]
     at = np.array([layout.rows, *starts], dtype=np.int64)
     clock = np.array([state.origin, state.h, float(state.step)])
-    mesh = (plan.chains, 1.0 / plan.extent)
+    mesh = (plan.chains, 1.0 / plan.extent, (0,) * layout.dofs)
     loads = (table, plan.entries, plan.scales)
-    uniforms = plan.uniforms.copy()
-    code, reached = onestage.driver(layout.dofs)(
-        *(plan.call, data, at, uniforms, plan.fields, system.free, mesh, momenta, memory, warm),
-        *(loads, clock, stride, frames, counts, history),
-    )
+    problem = (plan.call, data, at, plan.uniforms.copy(), plan.fields, system.free, mesh, momenta, loads)
+    code, reached = onestage.advance(problem, memory, warm, clock, stride, frames, counts, history)
     return Advance(list(Outcome)[code], reached, counts, memory, history)
 
 
