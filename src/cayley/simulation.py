@@ -97,7 +97,7 @@ def simulate(
         return run(rule or rules.verlet, dt)
     _check_accuracy(accuracy, dt)
     task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return _run_chosen(task, _candidates(rule, rotation), run)
+    return _run_chosen(task, _candidates(rule), run)
 
 
 def advise(
@@ -119,7 +119,7 @@ def advise(
     """
     _check_accuracy(accuracy, None)
     task = _task(_beginning(model, rotation, initial), t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return choose(task, _candidates(rule, rotation), thorough=True)
+    return choose(task, _candidates(rule), thorough=True)
 
 
 def integrate(
@@ -198,10 +198,8 @@ def _check_accuracy(accuracy: Any, dt: float | None) -> None:
         raise ValueError(f"accuracy is {accuracy!r}; give a number between 1e-12 and 0.5, such as 1e-3")
 
 
-def _candidates(rule: Rule | None, rotation: str) -> tuple[Rule, ...]:
-    if rule is not None:
-        return (rule,)
-    return CANDIDATES if rotation == "quaternion" else CANDIDATES[:1]  # the implicit ones have no matrix form
+def _candidates(rule: Rule | None) -> tuple[Rule, ...]:
+    return CANDIDATES if rule is None else (rule,)
 
 
 def _task(

@@ -148,8 +148,6 @@ def derive(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "
             f"nodes do not decouple under the rule {rule.name}; a block-tridiagonal rule is needed and not there yet"
         )
-    if rule.implicit and rotation != "quaternion":
-        raise ValueError(f"rotation is {rotation!r}, but the rule {rule} is there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
     unknown = sorted(set(varying) - set(candidates))

@@ -100,7 +100,7 @@ def solve_chain(data, at, first, last, free, upper, right, dofs):  # type: ignor
     """Solve a block tridiagonal system.
 
     Args:
-        data: the blocks of node a are read from data[1 + a // lanes, row, a % lanes], those of held components replaced.
+        data: the blocks of node a are read from data[1 + a // lanes, row, a % lanes]; held components are replaced.
         at: first rows of the diagonal, upper and lower blocks.
         first: first node of the chain.
         last: node behind its last one.

@@ -39,9 +39,9 @@ _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 def advance(problem, memory, warm, clock, stride, frames, counts, history):  # type: ignore[no-untyped-def]
     """Advance through len(frames) saves of stride steps each; see steppers.galerkin.advance.
 
-    problem = (addresses of the kernel, blocks, rows, uniforms, fields, free, mesh, momenta, loads), where rows are their
-    number, then those where residual, momentum, diagonal, upper and lower begin, and mesh = (chains of nodes, 1/extent,
-    a tuple as long as a node has degrees of freedom).
+    problem = (addresses of the kernel, blocks, rows, uniforms, fields, free, mesh, momenta, loads), where rows are
+    their number, then those where residual, momentum, diagonal, upper and lower begin, and mesh = (chains of nodes,
+    1/extent, a tuple as long as a node has degrees of freedom).
 
     Returns: (outcome, number of the save).
     """
