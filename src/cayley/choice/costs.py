@@ -71,7 +71,10 @@ def seconds_of_loads(system: System) -> float:
 
 
 def _padded(rule: Rule, nodes: int) -> int:
-    return nodes if rule.implicit else -(-nodes // jit.lanes()) * jit.lanes()
+    if rule.implicit:
+        return nodes
+    cells = -(-nodes // rule.cell)  # those that close a chain included
+    return -(-cells // jit.lanes()) * jit.lanes() * rule.cell
 
 
 def _measured(rule: Rule) -> float:

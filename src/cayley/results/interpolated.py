@@ -7,6 +7,8 @@ import numpy as np
 
 from cayley.density.expression import symbols, to_sx
 from cayley.discrete.embedded import embedded_point
+from cayley.discrete.layout import Layout
+from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rules import lagrange, lobatto
 from cayley.results.frames import Frames
 from cayley.system.system import System
@@ -40,7 +42,7 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
         for first in range(start, start + count - 1, degree):
             own = slice(first, first + degree + 1)
             length = float(system.named["length"][first : first + degree].sum())
-            values = frames.values[:, own]
+            values = _as_quaternions(system.layout, frames.values[:, own])
             inputs = (
                 np.einsum("ga,tar->tgr", at_gauss, values),
                 np.einsum("ga,tar->tgr", slope_at_gauss, values) / length,
@@ -58,9 +60,21 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
     return energy, found / shares[None, :, None], slopes
 
 
+def _as_quaternions(layout: Layout, values: np.ndarray) -> np.ndarray:
+    """Values of the nodes of an element with rotations as quaternions, neighbors in one hemisphere."""
+    if layout.representation.rows == 4:
+        return values
+    parts = []
+    for name in layout.fields:
+        own = values[..., layout.rows_of(name)]
+        parts.append(layout.representation.to_quaternion(own) if name in layout.rotations else own)
+    return np.concatenate(parts, axis=-1)
+
+
 def _term(system: System) -> Callable[[np.ndarray, np.ndarray, int, np.ndarray], list[np.ndarray]]:
     """W, its derivatives with respect to x′ and Ω, and these themselves, at points (m, g, rows)."""
-    density, layout = system.equations.density, system.layout
+    density = system.equations.density
+    layout = Layout(system.layout.fields, REPRESENTATIONS["quaternion"])
     along = str(density.lagrangian.interval)
     z, slope, here, t = symbols("z", layout.rows), symbols("dz", layout.rows), symbols("here"), symbols("t")
     point = embedded_point(layout, z, slope, along) | {along: here, "t": t}
