@@ -6,7 +6,7 @@ import pytest
 import cayley as cy
 from cayley import loads, supports
 from verify.problems import assert_order, bend, fitted, in_flight, thick_rod
-from verify.test_galerkin_space import positions, refined
+from verify.test_galerkin_space import pendulum, positions, refined
 
 spectral, galerkin = cy.rules.spectral, cy.rules.galerkin
 
@@ -155,3 +155,30 @@ def test_lagrangian_without_interval_is_refused():
 
     with pytest.raises(ValueError, match=r"has no interval, .*; leave out space=2$"):
         cy.compile(spring, rule=spectral(space=2), constants={"k": 1.0})
+
+
+@pytest.mark.parametrize(("degree", "elements", "error"), [(3, 3, 2e-3), (4, 7, 3e-5), (6, 2, 4e-5)])
+def test_tip_of_the_rubber_pendulum(degree, elements, error):
+    """After 1 s, against the converged value of the benchmarks, with the largest safe step."""
+    _, model = pendulum(elements)
+    run = cy.simulate(model, 1.0, rule=spectral(space=degree), save_every=1.0)
+    distance = np.linalg.norm(positions(run)[-1, -1] - (-0.9400951, 0.0, -0.0991011))
+    assert 0.5 * error < distance < error
+    assert run.dt > 1e-4
+
+
+@pytest.mark.parametrize("degree", [1, 2, 7])
+def test_structure_is_told(degree):
+    _, model = thick_rod(3)
+    system = cy.simulate(model, 1e-3, rule=spectral(space=degree)).system
+    assert "p[0], p[1], p[2] by Newton; x[0] explicit" in str(system)
+    assert "error <= bound" in str(system.kernels)
+
+
+def test_vectors_are_no_wider_than_needed():
+    """Two elements of several nodes and the cell that closes them: three of four lanes."""
+    for elements in (1, 2, 3, 12):
+        system = cy.simulate(thick_rod(elements)[1], 1e-4, rule=spectral(space=2)).system
+        widest = cy.simulate(thick_rod(elements)[1], 1e-4).system.kernels.lanes
+        needed = max(2, 2 ** int(np.ceil(np.log2(system.cells))))
+        assert system.kernels.lanes == min(widest, needed)
