@@ -182,3 +182,34 @@ def test_vectors_are_no_wider_than_needed():
         widest = cy.simulate(thick_rod(elements)[1], 1e-4).system.kernels.lanes
         needed = max(2, 2 ** int(np.ceil(np.log2(system.cells))))
         assert system.kernels.lanes == min(widest, needed)
+
+
+@cy.lagrangian(x=cy.Vector(2), s=cy.Interval)
+def tapered(q, c):
+    """A chain of springs whose stiffness and mass rise to the fourfold along it."""
+    stretch = cy.dot(q.x_s, q.x_s)
+    taper = (1.0 + q.s) ** 2
+    return 0.5 * taper * cy.dot(q.x_t, q.x_t) - 0.5 * c.k * taper * (1.0 + 0.1 * stretch) * stretch
+
+
+def test_densities_that_depend_on_the_place():
+    """The coordinate at a point is that of the point: order 4 with elements of degree 2, and the energy is kept."""
+
+    def final(elements, degree):
+        system = cy.compile(
+            tapered,
+            rule=spectral(space=degree),
+            domain=cy.Interval(0.0, 1.0, elements=elements),
+            constants={"k": 4.0},
+            held={"x": ("start", "end")},
+        )
+        s = system.nodes[:, None]
+        x = np.hstack([s, 0.3 * np.sin(np.pi * s) ** 4])
+        run = cy.integrate(system, {"x": x}, t_end=0.2, dt=2e-4, save_every=0.02)
+        assert np.ptp(run.energy.values) < 1e-5 * run.energy.values[0]
+        return run.frames.values[1:, :: elements * degree // 4]
+
+    exact = final(32, 4)
+    meshes = (12, 16, 24, 32)
+    errors = [np.linalg.norm(final(n, 2) - exact) for n in meshes]
+    assert abs(fitted(1.0 / np.array(meshes), errors) - 4.0) < 0.4, errors
