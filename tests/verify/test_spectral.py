@@ -115,7 +115,7 @@ def test_momentum_maps(degree, rotation):
         drift = np.abs(momentum - momentum[0]).max() / np.linalg.norm(momentum[0])
         assert drift < 1e-12, drift
     energy = run.energy.values
-    assert np.ptp(energy) < 2e-3 * abs(energy[0])
+    assert np.ptp(energy) < 1e-5 * abs(energy[0])
 
 
 @pytest.mark.parametrize("degree", [2, 4, 8])
