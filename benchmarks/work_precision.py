@@ -1,4 +1,4 @@
-"""The rubber pendulum: tip error at 1 s against the time it takes, for four rules, PyElastica and EXUDYN.
+"""The rubber pendulum: tip error at 1 s against the time it takes, for six rules, PyElastica and EXUDYN.
 
 Every program gets finer meshes with finer steps: explicit ones the largest stable step, implicit ones a step that
 shrinks with the element. The time to reach an error is that of the cheapest run from which on all finer ones keep it;
@@ -30,6 +30,11 @@ WANTED = {1e-2: 30.0, 1e-4: 100.0}
 """Least number of times the best of our rules must be ahead of the best peer, by error."""
 ELASTICA = ((12, 1e-4), (24, 1e-4), (48, 1e-4), (96, 8e-5), (192, 5.2e-5), (384, 2.6e-5), (768, 1.3e-5))
 """Meshes and steps of PyElastica [s], near its limit of stability."""
+SPECTRAL = {
+    3: ((2, 1.26e-4), (3, 1.26e-4), (7, 1.22e-4), (15, 1.11e-4), (31, 8e-5)),
+    4: ((2, 1.25e-4), (3, 1.24e-4), (7, 1.16e-4), (15, 9.4e-5), (23, 7e-5)),
+}
+"""Meshes and steps of the rules spectral [s], by degree: cells that fill vectors, near the limit of stability."""
 BLOWN_UP = 0.5
 """Tip error above which a run counts as failed [m]."""
 FARTHEST = 10.0
@@ -82,10 +87,14 @@ def doubled(first: int, dt: float, times: int, *, longest: float = math.inf) -> 
 
 
 def our_series() -> tuple[Series, ...]:
-    """The four rules."""
+    """The six rules."""
     high = {2: doubled(5, 0.02, 4), 3: ((4, 0.025), (5, 0.02), (6, 0.016), (8, 0.0125), (12, 0.008))}
     return (
         Series("verlet", True, False, doubled(12, 1.04e-3, 8, longest=1.25e-4), pendulum(cy.rules.verlet)),
+        *(
+            Series(f"spectral({m})", True, False, cases, pendulum(cy.rules.spectral(space=m)))
+            for m, cases in SPECTRAL.items()
+        ),
         Series("midpoint", True, False, doubled(12, 1.0 / 60.0, 6), pendulum(cy.rules.midpoint)),
         *(
             Series(f"galerkin({r}, {r})", True, False, cases, pendulum(cy.rules.galerkin(time=r, space=r)))

@@ -14,7 +14,7 @@ import numpy as np
 
 from cayley.choice.pilot import stepper_of
 from cayley.codegen import jit
-from cayley.codegen.kernels import sources_digest
+from cayley.codegen.kernels import lanes_for, sources_digest
 from cayley.discrete.rules import Rule
 from cayley.model import Material, Model, Rod, Section, loads, supports
 from cayley.steppers.outcome import Outcome
@@ -71,7 +71,11 @@ def seconds_of_loads(system: System) -> float:
 
 
 def _padded(rule: Rule, nodes: int) -> int:
-    return nodes if rule.implicit else -(-nodes // jit.lanes()) * jit.lanes()
+    if rule.implicit:
+        return nodes
+    cells = -(-nodes // rule.cell)  # those that close a chain included
+    lanes = lanes_for(rule.cell, cells)
+    return -(-cells // lanes) * lanes * rule.cell
 
 
 def _measured(rule: Rule) -> float:

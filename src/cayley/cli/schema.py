@@ -165,9 +165,10 @@ class RunTable(Table):
     dt: float | None = Field(None, gt=0, description="a positive number [s]; left out: the largest safe step")
     rule: str | None = Field(
         None,
-        pattern=r"^(nodal|verlet|screw|midpoint|nodal_midpoint|screw_midpoint|galerkin\(time=[1-8](, space=[1-8])?\))$",
-        description='"nodal", "verlet", "screw", "midpoint", "nodal_midpoint", "screw_midpoint" or '
-        '"galerkin(time=2, space=2)" with degrees 1 to 8',
+        pattern=r"^(nodal|verlet|screw|midpoint|nodal_midpoint|screw_midpoint|spectral\(space=[1-8]\)"
+        r"|galerkin\(time=[1-8](, space=[1-8])?\))$",
+        description='"nodal", "verlet", "screw", "midpoint", "nodal_midpoint", "screw_midpoint", '
+        '"spectral(space=4)" or "galerkin(time=2, space=2)" with degrees 1 to 8',
     )
     save_every: float | None = Field(None, gt=0, description="a positive number [s]; left out: t_end/500")
     accuracy: float | None = Field(

@@ -66,6 +66,17 @@ class Kernels:
         return print_listing(self.equations.program(self.equations.main_program), self.lanes)
 
 
+def lanes_for(cell: int, cells: int) -> int:
+    """Doubles in a vector for a number of cells of so many nodes.
+
+    Those of one node take the widest vectors; longer cells, whose lanes are dear, no more lanes than they fill.
+    """
+    lanes = jit.lanes()
+    while cell > 1 and lanes > 2 and lanes // 2 >= cells:
+        lanes //= 2
+    return lanes
+
+
 @functools.cache
 def sources_digest() -> str:
     """Hash of the sources that decide what code comes out."""

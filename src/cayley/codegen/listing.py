@@ -34,8 +34,9 @@ def print_listing(program: Program, lanes: int) -> str:
             lines.append(
                 f"iterate {', '.join(names)} from {', '.join(s.name() for s in step.start)} until error <= bound:"
             )
-            targets = [*(f"{n} (next)" for n in names), "error", "bound"]
-            lines += ["    " + line for line in _formulas(targets, [*step.following, step.error, step.bound])]
+            errors, bounds = ca.vertsplit(step.error), ca.vertsplit(step.bound)
+            targets = [*(f"{n} (next)" for n in names), *["error"] * len(errors), *["bound"] * len(bounds)]
+            lines += ["    " + line for line in _formulas(targets, [*step.following, *errors, *bounds])]
     lines += _formulas([f"row {row}" for row, _ in program.stores], [v for _, v in program.stores])
     return "\n".join(lines)
 

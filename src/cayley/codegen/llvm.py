@@ -200,8 +200,14 @@ class _Printer:
         place = len(self.body)
         for symbol, value in zip(step.unknown, unknown, strict=True):
             self.values[symbol.name()] = value
-        *following, error, bound = [self._vector(v) for v in self._evaluate([*step.following, step.error, step.bound])]
-        open_lanes = self._emit(f"fcmp ugt {self.type} {error}, {bound}")  # true for NaN as well
+        pairs = [*ca.vertsplit(step.error), *ca.vertsplit(step.bound)]
+        found = [self._vector(v) for v in self._evaluate([*step.following, *pairs])]
+        following, compared = found[: len(unknown)], found[len(unknown) :]
+        count = len(compared) // 2
+        open_lanes = self._emit(f"fcmp ugt {self.type} {compared[0]}, {compared[count]}")  # true for NaN as well
+        for error, bound in zip(compared[1:count], compared[count + 1 :], strict=True):
+            other = self._emit(f"fcmp ugt {self.type} {error}, {bound}")
+            open_lanes = self._emit(f"or {wide} {open_lanes}, {other}")
         chosen = [
             self._emit(f"select {wide} %active{n}, {self.type} {new}, {self.type} {old}")
             for new, old in zip(following, unknown, strict=True)

@@ -28,7 +28,7 @@ class Newton:
     """Iterate unknown = following until error ≤ bound in every lane.
 
     Each pass is one Newton step and one more with the same inverse; its second correction squared over its first
-    estimates the error that is left.
+    estimates the error that is left. error and bound are columns, one entry for each node that is solved.
     """
 
     unknown: tuple[ca.SX, ...]

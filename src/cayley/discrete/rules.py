@@ -115,6 +115,11 @@ class Rule:
         """Degree of the polynomials in space: nodes of an element less one."""
         return 1 if self.strain.between_ends else len(self.strain.at)
 
+    @property
+    def cell(self) -> int:
+        """Nodes that a lane of an explicit kernel holds: an element without its right end."""
+        return 1 if self.implicit else self.degree
+
     def __str__(self) -> str:
         """Name the rule."""
         return self.name
@@ -151,8 +156,12 @@ def by_name(name: str) -> Rule:
     found = re.fullmatch(r"galerkin\(time=(\d+)(?:, space=(\d+))?\)", name)
     if found:
         return galerkin(time=int(found[1]), space=int(found[2] or 1))
+    found = re.fullmatch(r"spectral\(space=(\d+)\)", name)
+    if found:
+        return spectral(space=int(found[1]))
     if name not in RULES:
-        raise ValueError(f"there is no rule {name!r}; give one of {', '.join(RULES)} or galerkin(time=..., space=...)")
+        families = "galerkin(time=..., space=...) or spectral(space=...)"
+        raise ValueError(f"there is no rule {name!r}; give one of {', '.join(RULES)}, {families}")
     return RULES[name]
 
 
@@ -170,8 +179,29 @@ def galerkin(*, time: int, space: int = 1) -> Rule:
     Source: Leok and Shingel (2012), General techniques for constructing variational integrators; degree 1 in both is
     the rule midpoint.
     """
-    for word, degree in (("time", time), ("space", space)):
-        if isinstance(degree, bool) or not isinstance(degree, int) or not 1 <= degree <= 8:
-            raise ValueError(f"galerkin: {word} is {degree!r}; give a whole number from 1 to 8")
+    _check_degrees("galerkin", time=time, space=space)
     name = f"galerkin(time={time})" if space == 1 else f"galerkin(time={time}, space={space})"
     return Rule(name, time=gauss(time), strain=gauss(space), order=2 * time)
+
+
+def spectral(*, space: int) -> Rule:
+    """Corners in time, polynomials in space: explicit steps, order 2 in time and 2m in space.
+
+    Args:
+        space: degree and number of Gauss points along an element, m >= 1; inertia and loads take its m + 1 Lobatto
+            points, which are its nodes. Degree 1 is verlet.
+
+    Raises:
+        ValueError: if the degree is no whole number from 1 to 8.
+
+    Source: spectral elements with lumped masses, Patera (1984), Maday and Patera (1989); normalized polynomials: Leok
+    and Shingel (2012).
+    """
+    _check_degrees("spectral", space=space)
+    return Rule(f"spectral(space={space})", time=CORNERS, strain=gauss(space))
+
+
+def _check_degrees(family: str, **degrees: int) -> None:
+    for word, degree in degrees.items():
+        if isinstance(degree, bool) or not isinstance(degree, int) or not 1 <= degree <= 8:
+            raise ValueError(f"{family}: {word} is {degree!r}; give a whole number from 1 to 8")

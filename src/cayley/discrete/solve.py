@@ -78,6 +78,24 @@ def solve_steps(residual: ca.SX, unknown: ca.SX, blocks: tuple[Block, ...]) -> l
     return steps
 
 
+def side_by_side(solutions: list[list[Step]]) -> list[Step]:
+    """Solve the equations of several nodes together: steps of one structure, merged one by one."""
+    merged: list[Step] = []
+    for steps in zip(*solutions, strict=True):
+        if all(isinstance(step, Assign) for step in steps):
+            merged.append(Assign(_joined(steps, "targets"), _joined(steps, "values")))
+        else:
+            error, bound = (ca.vertcat(*[getattr(step, word) for step in steps]) for word in ("error", "bound"))
+            merged.append(
+                Newton(_joined(steps, "unknown"), _joined(steps, "start"), _joined(steps, "following"), error, bound)
+            )
+    return merged
+
+
+def _joined(steps: tuple[Step, ...], word: str) -> tuple[ca.SX, ...]:
+    return tuple(symbol for step in steps for symbol in getattr(step, word))
+
+
 class Inverse:
     """Multiply by the inverse of a small symbolic matrix: cofactors up to 3 × 3, elimination without pivots above."""
 

@@ -160,8 +160,8 @@ def _momentum_rows(run: Any, window: Window) -> list[Row]:
 
 
 def _speed_rows(run: Any) -> list[Row]:
-    model = run.model
-    nodes = int(run.data.sizes.get("node", 1)) if model is None else sum(rod.elements + 1 for rod in model.rods)
+    parts = [run.data] if run.model is None else [run[name] for name in run.model.names]
+    nodes = sum(int(part.sizes.get("node", 1)) for part in parts)
     each = run.wall_time / max(run.steps * nodes, 1) * 1e9
     return [
         Row("step", f"{run.dt:.6g}", "s", f"rule {run.rule}"),

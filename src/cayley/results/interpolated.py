@@ -27,7 +27,8 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
     Returns: strain energy (m,) [J]; resultants in the paper's sign (m, nodes, dofs), as of results.resultants;
     derivatives x′ and Ω between nodes, each at the left one of two (m, nodes, dofs).
     """
-    strain, degree = system.equations.rule.strain, system.equations.rule.degree
+    rule = system.equations.rule
+    strain, degree = rule.strain, rule.degree
     nodes = lobatto(degree)
     at_gauss, slope_at_gauss = lagrange(nodes, strain.at)
     to_nodes, _ = lagrange(np.array(strain.at), nodes)
@@ -42,12 +43,12 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
         for first in range(start, start + count - 1, degree):
             own = slice(first, first + degree + 1)
             length = float(system.named["length"][first : first + degree].sum())
-            values = _embedded(system, frames.values[:, own])
+            values = _as_quaternions(system.layout, frames.values[:, own])
             inputs = (
                 np.einsum("ga,tar->tgr", at_gauss, values),
                 np.einsum("ga,tar->tgr", slope_at_gauss, values) / length,
             )
-            density, stress, _ = evaluate(*inputs, first, frames.times)
+            density, stress, _ = evaluate(*inputs, first, length * np.array(strain.at), frames.times)
             energy += length * density @ np.array(strain.weights)
             found[:, own] -= np.einsum("ng,tgd->tnd", to_nodes, stress)
             shares[own] += 1.0
@@ -55,25 +56,26 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
                 np.einsum("ga,tar->tgr", at_middle, values),
                 np.einsum("ga,tar->tgr", slope_at_middle, values) / length,
             )
-            slopes[:, first : first + degree] = evaluate(*inputs, first, frames.times)[2]
+            slopes[:, first : first + degree] = evaluate(*inputs, first, length * middles, frames.times)[2]
         start += count
     return energy, found / shares[None, :, None], slopes
 
 
-def _embedded(system: System, values: np.ndarray) -> np.ndarray:
-    """Values of an element with quaternions for matrices, shape (m, nodes, rows)."""
-    layout = system.layout
-    parts = [values[..., layout.rows_of(name)] for name in layout.fields]
-    turned = [
-        layout.representation.to_quaternion(part) if name in layout.rotations else part
-        for name, part in zip(layout.fields, parts, strict=True)
-    ]
-    return np.concatenate(turned, axis=-1)
+def _as_quaternions(layout: Layout, values: np.ndarray) -> np.ndarray:
+    """Values of the nodes of an element with rotations as quaternions, neighbors in one hemisphere."""
+    if layout.representation.rows == 4:
+        return values
+    parts = []
+    for name in layout.fields:
+        own = values[..., layout.rows_of(name)]
+        parts.append(layout.representation.to_quaternion(own) if name in layout.rotations else own)
+    return np.concatenate(parts, axis=-1)
 
 
-def _term(system: System) -> Callable[[np.ndarray, np.ndarray, int, np.ndarray], list[np.ndarray]]:
-    """W, its derivatives with respect to x′ and Ω, and these themselves, at points (m, g, rows)."""
-    density, layout = system.equations.density, Layout(system.layout.fields, REPRESENTATIONS["quaternion"])
+def _term(system: System) -> Callable[..., list[np.ndarray]]:
+    """W, its derivatives with respect to x′ and Ω, and these themselves, at points (m, g, rows) behind a node."""
+    density = system.equations.density
+    layout = Layout(system.layout.fields, REPRESENTATIONS["quaternion"])
     along = str(density.lagrangian.interval)
     z, slope, here, t = symbols("z", layout.rows), symbols("dz", layout.rows), symbols("here"), symbols("t")
     point = embedded_point(layout, z, slope, along) | {along: here, "t": t}
@@ -85,12 +87,15 @@ def _term(system: System) -> Callable[[np.ndarray, np.ndarray, int, np.ndarray],
     function = ca.Function("strain", [inputs], outputs)
     known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
 
-    def evaluate(values: np.ndarray, slopes: np.ndarray, node: int, times: np.ndarray) -> list[np.ndarray]:
+    def evaluate(
+        values: np.ndarray, slopes: np.ndarray, node: int, at: np.ndarray, times: np.ndarray
+    ) -> list[np.ndarray]:
         frames, points, _ = values.shape
         constants = [system.named[n][node] if n in system.named else known[n] for n in density.names]
         rest = np.broadcast_to(
             [system.named["here"][node], 0.0, *constants], (frames, points, 2 + len(constants))
         ).copy()
+        rest[:, :, 0] += at
         rest[:, :, 1] = times[:, None]
         columns = np.concatenate([values, slopes, rest], axis=2).reshape(frames * points, -1)
         one, stress, slope = (np.asarray(m).T.reshape(frames, points, -1) for m in function(columns.T))

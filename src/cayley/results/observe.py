@@ -7,7 +7,7 @@ import numpy as np
 from cayley.results.frames import Frames
 from cayley.results.interpolated import interpolated
 from cayley.results.resultants import resultants
-from cayley.system.system import System, gather, pack
+from cayley.system.system import System, by_node, pack
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,18 +41,18 @@ def observe(system: System, frames: Frames) -> Observations:
 
     Returns: the Observations.
     """
-    rows, size = system.equations.rows, system.size
+    rows = system.equations.rows
     kernel = system.kernels["observe"]
-    first = min(part.start for part in rows.observed.values())
     uniforms = np.zeros(kernel.width)  # its inputs, and room behind them
     uniforms[: len(system.uniforms)] = system.uniforms
-    found = np.empty((len(frames.times), size, rows.count - first))
+    widths = {name: (own.stop - own.start) // rows.cell for name, own in rows.observed.items()}
+    part = {name: np.empty((len(frames.times), system.size, width)) for name, width in widths.items()}
     for k, time in enumerate(frames.times):
         data = pack(system, frames.state(k))
         uniforms[1] = uniforms[2] = time
         kernel(data, uniforms, 1, data.shape[0] - 1)
-        found[k] = gather(data[1:-1], slice(first, rows.count), size)
-    part = {name: found[..., p.start - first : p.stop - first] for name, p in rows.observed.items()}
+        for name, own in rows.observed.items():
+            part[name][k] = by_node(system, data[1:-1], own)
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
     nothing = np.zeros_like(part["velocity"])
     spatial, slopes = nothing, part.get("slopes", nothing)

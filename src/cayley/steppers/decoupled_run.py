@@ -8,7 +8,7 @@ import numpy as np
 
 from cayley.steppers import decoupled
 from cayley.steppers.outcome import Outcome, Result
-from cayley.system.system import State, System, aligned, gather, pack
+from cayley.system.system import State, System, aligned, by_node, pack
 
 TILE = 32
 """Blocks of a tile: with its neighbors in the wavefront it stays in a second-level cache."""
@@ -79,7 +79,7 @@ def run(
         before[:] = data
         outcome, reached = _advance(system, plan, data, state, stride, frames)
         if reached:
-            values, momenta = (gather(frames[:reached], part, system.size) for part in (rows.values, rows.momenta))
+            values, momenta = (by_node(system, frames[:reached], part) for part in (rows.values, rows.momenta))
             receive(values, momenta)
             state = replace(state, values=values[-1], momenta=momenta[-1], step=state.step + reached * stride)
         if outcome is not Outcome.FINISHED:
@@ -104,23 +104,27 @@ def prepare(system: System) -> None:
 def make_plan(system: System) -> Plan:
     """Cut a system into tiles and sort held components and loads by them."""
     rows, lanes, layout = system.equations.rows, system.kernels.lanes, system.layout
-    blocks = -(-system.size // lanes)
+    blocks = -(-system.cells // lanes)
+    cell, position = np.divmod(system.slots, rows.cell)
+    block, lane = 1 + cell // lanes, cell % lanes
+    momenta = rows.momenta.start + position * layout.dofs
     held_node, held_dof = np.nonzero(~system.free)
     with_held = np.zeros(blocks + 2, dtype=bool)
-    with_held[1 + held_node // lanes] = True
+    with_held[block[held_node]] = True
     large = blocks * rows.momenta.stop * lanes * 8 > CACHED_BYTES
     cuts = {1, blocks + 1} | (set(range(1, blocks + 1, TILE)) if large else set())
     cuts |= {int(b) for b in np.flatnonzero(np.diff(with_held.astype(int))) + 1 if 1 <= b <= blocks}
     edges = sorted(cuts)
     spans = np.array([(a, b, int(with_held[a])) for a, b in itertools.pairwise(edges)], dtype=np.int64)
-    held = np.column_stack([1 + held_node // lanes, rows.momenta.start + held_dof, held_node % lanes]).astype(np.int64)
+    held = np.column_stack([block[held_node], momenta[held_node] + held_dof, lane[held_node]]).astype(np.int64)
     entries, scales = np.zeros((0, 7), dtype=np.int64), np.zeros(0)
     if system.loads is not None:
         loads = system.loads
-        block = 1 + loads.node // lanes
+        node = loads.node
         form = loads.form + 2 * (loads.form > 0) * (layout.representation.rows == 9)
-        tile = np.searchsorted(spans[:, 0], block, side="right") - 1
-        columns = [block, loads.node % lanes, rows.momenta.start + loads.dof, loads.turn, form, loads.column, tile]
+        tile = np.searchsorted(spans[:, 0], block[node], side="right") - 1
+        turn = position[node] * layout.rows + loads.turn
+        columns = [block[node], lane[node], momenta[node] + loads.dof, turn, form, loads.column, tile]
         order = np.argsort(tile, kind="stable")
         entries = np.column_stack(columns).astype(np.int64)[order]
         scales = np.ascontiguousarray(loads.scale[order])
@@ -181,9 +185,9 @@ def _locate(system: System, plan: Plan, data: np.ndarray, state: State, stride: 
 
 def _failed_node(system: System, before: np.ndarray, after: np.ndarray) -> int:
     """The first node that is not finite, else the one that moved most."""
-    rows, size = system.equations.rows, system.size
-    new, old = (gather(blocks[1:-1], rows.values, size) for blocks in (after, before))
-    momenta = gather(after[1:-1], rows.momenta, size)
+    rows = system.equations.rows
+    new, old = (by_node(system, blocks[1:-1], rows.values) for blocks in (after, before))
+    momenta = by_node(system, after[1:-1], rows.momenta)
     broken = ~(np.isfinite(new).all(axis=1) & np.isfinite(momenta).all(axis=1))
     if broken.any():
         return int(np.argmax(broken))

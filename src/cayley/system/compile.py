@@ -7,7 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from cayley.codegen.kernels import Kernels
+from cayley.codegen.kernels import Kernels, lanes_for
 from cayley.density import Interval, Lagrangian, trace
 from cayley.density.trace import Density
 from cayley.discrete.equations import DiscreteEquations, derive
@@ -63,7 +63,7 @@ def compile_lagrangian(
     uniforms = uniform_values(equations, {"inverse": 1.0 / length})
     return System(
         equations=equations,
-        kernels=Kernels(equations),
+        kernels=Kernels(equations, lanes_for(rule.cell, (count - 1) // rule.cell + 1)),
         uniforms=uniforms,
         named=named,
         free=free,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cayley.codegen.kernels import Kernels
+from cayley.codegen.kernels import Kernels, lanes_for
 from cayley.density import library, trace
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
@@ -55,7 +55,7 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     first = {name: float(values[0]) for name, values in entries.items()} | {"inverse": float(inverse[0])}
     return System(
         equations=equations,
-        kernels=Kernels(equations),
+        kernels=Kernels(equations, lanes_for(rule.cell, sum((count - 1) // rule.cell + 1 for count in counts))),
         uniforms=uniform_values(equations, first),
         named=named,
         free=_free(model, layout, rule.degree),

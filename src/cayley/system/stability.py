@@ -7,6 +7,8 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import mass_matrix, node_load, node_point
+from cayley.discrete.polynomial import polynomial_forces
+from cayley.discrete.rules import lobatto_weights
 from cayley.system.system import System
 
 SHARPNESS = 1.02
@@ -34,19 +36,22 @@ def stable_dt(system: System, values: np.ndarray, *, enough: float = np.inf) -> 
         return float("inf")
     if enough * np.sqrt(bound) <= 2.0:
         return float(2.0 / np.sqrt(bound))
-    diagonal, upper = _assemble(system, masses, stiffness, system.free)
-    if diagonal.shape[0] * diagonal.shape[1] <= DENSE:
-        largest = _exact(diagonal, upper)
+    bands = _assemble(system, masses, stiffness, system.free)
+    if system.size * system.layout.dofs <= DENSE:
+        largest = _exact(bands)
         return float(2.0 / np.sqrt(largest)) if largest > 0.0 else float("inf")
-    return float(2.0 / np.sqrt(_certify(diagonal, upper, bound)))
+    return float(2.0 / np.sqrt(_certify(bands, bound)))
 
 
 def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-    """Masses of nodes (n, d, d); stiffness of elements (n, 2d, 2d) and of node loads (n, d, d)."""
+    """Masses of nodes (n, d, d); stiffness of elements, each at its first node, and of node loads (n, d, d).
+
+    Elements of degree m have matrices of size (m + 1) d.
+    """
     equations, layout = system.equations, system.layout
     density = equations.density
     along = density.lagrangian.interval
-    ends = symbols("a", layout.rows), symbols("b", layout.rows)
+    ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rows.cell + 1)]
     names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
     place = names | {"here": names["left"]}
     rows = [wrap(np.asarray(_tangent(layout, end))) for end in ends]
@@ -56,7 +61,10 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
         -ca.jacobian(load, to_sx(ends[0])) @ to_sx(rows[0]),
     ]
     if along is not None:
-        forces = element_forces(density, equations.rule.strain, layout, ends, place)
+        if equations.rows.cell == 1:
+            forces = list(element_forces(density, equations.rule.strain, layout, (ends[0], ends[1]), place))
+        else:
+            forces = polynomial_forces(density, equations.rule.strain, layout, ends, place)
         both = ca.vertcat(*[to_sx(f) for f in forces]) * to_sx(names["length"])
         turn = ca.diagcat(*[to_sx(r) for r in rows])
         outputs.append(-ca.jacobian(both, ca.vertcat(*[to_sx(e) for e in ends])) @ turn)
@@ -71,39 +79,53 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
         left = ca.vertcat(*[to_sx(ends[0][layout.rows_of(name)]) for name in vectors])
         places_count = ca.depends_on(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs[:2]]), left)
     if not places_count:
-        inputs_at = _shifted(layout, inputs_at)
+        inputs_at = _shifted(layout, inputs_at, len(ends))
     scale = np.abs(inputs_at).max(axis=0)
     alike = (inputs_at / np.where(scale > 0.0, scale, 1.0)).round(12)
     _, first, again = np.unique(alike, axis=0, return_index=True, return_inverse=True)  # congruent elements
-    d = layout.dofs
+    width = len(ends) * layout.dofs
     shaped = [_batch(np.asarray(m), len(first))[again.reshape(-1)] for m in function(inputs_at[first].T)]
     masses, loads = shaped[0], shaped[1]
-    elements = shaped[2] if along is not None else np.zeros((system.size, 2 * d, 2 * d))
-    elements[system.named["length"] == 0.0 if along is not None else slice(None)] = 0.0
+    elements = shaped[2] if along is not None else np.zeros((system.size, width, width))
+    elements[_lengths(system) == 0.0] = 0.0
     return masses, (0.5 * (elements + elements.transpose(0, 2, 1)), 0.5 * (loads + loads.transpose(0, 2, 1)))
+
+
+def _lengths(system: System) -> np.ndarray:
+    """Length of the element that starts at a node, 0 where none does, shape (nodes,)."""
+    found = np.zeros(system.size)
+    if "length" in system.named:
+        cell, spaces = system.equations.rows.cell, system.named["length"]
+        starts = np.flatnonzero((system.slots % cell == 0) & (spaces > 0.0))
+        found[starts] = sum(spaces[starts + k] for k in range(cell))
+    return found
 
 
 def _inputs(system: System, values: np.ndarray) -> np.ndarray:
     """Rows of inputs of the linearization, shape (nodes, inputs)."""
-    following = np.roll(values, -1, axis=0)
+    cell, lengths = system.equations.rows.cell, _lengths(system)
+    others = np.column_stack([np.roll(values, -1 - k, axis=0) for k in range(cell)])
+    if cell > 1:
+        others[lengths == 0.0] = 0.0  # nothing comes of these
     named = system.named
     zeros, ones = np.zeros(system.size), np.ones(system.size)
     here = named.get("here", zeros)
     known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
     inverse = named.get("inverse", known.get("inverse", 1.0) * ones)
-    columns = [inverse, here, np.roll(here, -1), zeros, named["weight"], named.get("length", zeros)]
+    columns = [inverse, here, np.roll(here, -cell), zeros, named["weight"], lengths]
     constants = [named.get(name, known.get(name, 0.0) * ones) for name in system.equations.density.names]
-    return np.column_stack([values, following, *columns, *constants])
+    return np.column_stack([values, others, *columns, *constants])
 
 
-def _shifted(layout: Layout, rows: np.ndarray) -> np.ndarray:
-    """Inputs with every left node's vectors at the origin, where no term depends on where they are."""
+def _shifted(layout: Layout, rows: np.ndarray, ends: int) -> np.ndarray:
+    """Inputs with every first node's vectors at the origin, where no term depends on where they are."""
     moved = rows.copy()
     for name in layout.fields:
         if name not in layout.rotations:
             left = layout.rows_of(name)
-            right = slice(left.start + layout.rows, left.stop + layout.rows)
-            moved[:, right] -= moved[:, left]
+            for k in range(1, ends):
+                other = slice(left.start + k * layout.rows, left.stop + k * layout.rows)
+                moved[:, other] -= moved[:, left]
             moved[:, left] = 0.0
     return moved
 
@@ -130,14 +152,14 @@ def _scaled_elements(system: System, masses: np.ndarray, stiffness: tuple[np.nda
     roots = _inverse_roots(masses)
     if "length" not in system.named:
         return roots @ loads @ roots
-    inside = np.flatnonzero(system.named["length"] > 0.0)
+    lengths, weight, cell = _lengths(system), system.named["weight"], system.equations.rows.cell
+    inside = np.flatnonzero(lengths > 0.0)
     d = system.layout.dofs
-    length, weight = system.named["length"], system.named["weight"]
     k = elements[inside].copy()
-    scale = np.zeros((len(inside), 2 * d, 2 * d))
-    for end, node in ((0, inside), (1, inside + 1)):
-        own = slice(end * d, (end + 1) * d)
-        share = 0.5 * length[inside] / weight[node]
+    scale = np.zeros_like(k)
+    for end, part in enumerate(lobatto_weights(cell)):
+        node, own = inside + end, slice(end * d, (end + 1) * d)
+        share = part * lengths[inside] / weight[node]
         k[:, own, own] += share[:, None, None] * loads[node]
         free = system.free[node].astype(float)
         scale[:, own, own] = roots[node] / np.sqrt(share)[:, None, None] * free[:, :, None] * free[:, None, :]
@@ -174,42 +196,41 @@ def _largest(matrices: np.ndarray) -> float:
 
 def _assemble(
     system: System, masses: np.ndarray, stiffness: tuple[np.ndarray, np.ndarray], free: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """M^(−½) K M^(−½) as block tridiagonal matrix: diagonal (n, d, d) and upper (n − 1, d, d) blocks."""
+) -> list[np.ndarray]:
+    """M^(−½) K M^(−½) as a block banded matrix: its blocks (i, i + k), k = 0 ... m, shape (n − k, d, d) each."""
     elements, loads = stiffness
-    d = system.layout.dofs
+    n, d, cell = system.size, system.layout.dofs, system.equations.rows.cell
     roots = _inverse_roots(masses) * free[:, :, None] * free[:, None, :]
-    diagonal = loads.copy()
-    diagonal += elements[:, :d, :d]
-    diagonal[1:] += elements[:-1, d:, d:]
-    upper = elements[:-1, :d, d:]
-    return roots @ diagonal @ roots, roots[:-1] @ upper @ roots[1:]
+    bands = [loads.copy(), *(np.zeros((max(n - k, 0), d, d)) for k in range(1, cell + 1))]
+    for k, band in enumerate(bands):
+        for i in range(min(cell + 1 - k, n - k)):
+            band[i:] += elements[: n - k - i, i * d : (i + 1) * d, (i + k) * d : (i + k + 1) * d]
+    return [roots[: n - k] @ band @ roots[k:] for k, band in enumerate(bands)]
 
 
-def _exact(diagonal: np.ndarray, upper: np.ndarray) -> float:
-    """Largest eigenvalue of the block tridiagonal matrix, with a margin for rounding."""
-    n, d, _ = diagonal.shape
+def _exact(bands: list[np.ndarray]) -> float:
+    """Largest eigenvalue of the block banded matrix, with a margin for rounding."""
+    n, d, _ = bands[0].shape
     dense = np.zeros((n, d, n, d))
     nodes = np.arange(n)
-    dense[nodes, :, nodes, :] = diagonal
-    dense[nodes[:-1], :, nodes[1:], :] = upper
-    dense[nodes[1:], :, nodes[:-1], :] = upper.transpose(0, 2, 1)
+    for k, band in enumerate(bands):
+        dense[nodes[: n - k], :, nodes[k:], :] = band
+        dense[nodes[k:], :, nodes[: n - k], :] = band.transpose(0, 2, 1)
     return float(np.linalg.eigvalsh(dense.reshape(n * d, n * d))[-1]) * (1.0 + 1e-9)
 
 
-def _certify(diagonal: np.ndarray, upper: np.ndarray, bound: float) -> float:
+def _certify(bands: list[np.ndarray], bound: float) -> float:
     """Smallest σ, to 2 %, found by bisection for which σ − A is positive definite."""
     from scipy.linalg import LinAlgError, cholesky_banded
 
-    n, d, _ = diagonal.shape
-    band = np.zeros((2 * d, n * d))  # upper form: band[u + i − k, k] = A[i, k]
-    u = 2 * d - 1
-    for i in range(d):
-        for k in range(d):
-            if i <= k:
-                band[u + i - k, k::d] = diagonal[:, i, k]
-            if n > 1:
-                band[u + i - (k + d), d + k :: d] = upper[:, i, k]
+    n, d, _ = bands[0].shape
+    u = len(bands) * d - 1
+    band = np.zeros((u + 1, n * d))  # upper form: band[u + i − k, k] = A[i, k]
+    for shift, blocks in enumerate(bands):
+        for i, k in np.ndindex(d, d):
+            if (i <= k or shift) and len(blocks):
+                column = k + shift * d
+                band[u + i - column, column::d] = blocks[:, i, k]
 
     def holds(sigma: float) -> bool:
         shifted = -band

@@ -105,6 +105,19 @@ class System:
         return sum(self.chains)
 
     @property
+    def cells(self) -> int:
+        """Number of lanes that kernels of explicit rules work on: one for every element and one to close each chain."""
+        cell = self.equations.rows.cell
+        return sum((count - 1) // cell + 1 for count in self.chains)
+
+    @property
+    def slots(self) -> np.ndarray:
+        """Where each node is among those of all cells, cell × nodes of a cell + position in it, shape (nodes,)."""
+        cell = self.equations.rows.cell
+        padding = np.repeat(np.arange(len(self.chains)), self.chains) * (cell - 1)
+        return np.arange(self.size) + padding
+
+    @property
     def nodes(self) -> np.ndarray:
         """Coordinates of the nodes along the interval [m], shape (nodes,)."""
         return self.named["here"]
@@ -140,25 +153,45 @@ def pack(system: System, state: State) -> np.ndarray:
 
     Returns: shape (blocks + 2, rows, lanes), aligned to 64 bytes; the first and last block are padding.
     """
-    rows, lanes = system.equations.rows, system.kernels.lanes
-    blocks = -(-system.size // lanes)
-    data = aligned((blocks + 2, rows.count, lanes))
+    rows, layout, lanes = system.equations.rows, system.layout, system.kernels.lanes
+    data = aligned((-(-system.cells // lanes) + 2, rows.count, lanes))
     data[:] = 0.0
-    rest = np.concatenate([state.values[-1], np.zeros(system.layout.dofs)])
-    data[:, : len(rest)] = rest[None, :, None]  # padding lanes: a node at rest, without element
+    data[:, rows.values] = np.tile(state.values[-1], rows.cell)[None, :, None]  # padding: a node at rest, no element
     for name, row in rows.named.items():
         data[:, row] = 0.0 if name == "length" else 1.0
     data[:, rows.held] = 1.0
-    scatter(data, rows.values, state.values)
-    scatter(data, rows.momenta, state.momenta)
-    scatter(data, rows.held, system.free.astype(float))
+    _scatter_nodes(system, data, rows.values, state.values, state.values[-1])
+    _scatter_nodes(system, data, rows.momenta, state.momenta, np.zeros(layout.dofs))
+    _scatter_nodes(system, data, rows.held, system.free.astype(float), np.ones(layout.dofs))
+    first = np.flatnonzero(system.slots % rows.cell == 0)
     for name, row in rows.named.items():
-        scatter(data, slice(row, row + 1), np.asarray(system.named[name])[:, None])
+        value = np.asarray(system.named[name])
+        value = np.add.reduceat(value, first) if name == "length" else value[first]
+        scatter(data, slice(row, row + 1), value[:, None])
     return data
 
 
+def _scatter_nodes(system: System, data: np.ndarray, rows: slice, values: np.ndarray, rest: np.ndarray) -> None:
+    """Write values of nodes, shape (nodes, width), into the cells of blocks, and rest where a cell has no node."""
+    cell = system.equations.rows.cell
+    if cell > 1:
+        by_slot = np.tile(rest, (system.cells * cell, 1))
+        by_slot[system.slots] = values
+        values = by_slot.reshape(system.cells, -1)
+    scatter(data, rows, values)
+
+
+def by_node(system: System, blocks: np.ndarray, rows: slice) -> np.ndarray:
+    """Rows of blocks by node: (..., blocks, rows, lanes) -> (..., nodes, len(rows) / nodes of a cell)."""
+    cell = system.equations.rows.cell
+    found = gather(blocks, rows, system.cells)
+    if cell == 1:
+        return found
+    return found.reshape(*found.shape[:-2], system.cells * cell, -1)[..., system.slots, :]
+
+
 def gather(blocks: np.ndarray, rows: slice, size: int) -> np.ndarray:
-    """Rows of blocks by node: (..., blocks, rows, lanes) -> (..., size, len(rows)); no padding blocks."""
+    """Rows of blocks by lane: (..., blocks, rows, lanes) -> (..., size, len(rows)); no padding blocks."""
     part = np.moveaxis(blocks[..., rows, :], -2, -1)
     return np.ascontiguousarray(part.reshape(*part.shape[:-3], -1, part.shape[-1])[..., :size, :])
 

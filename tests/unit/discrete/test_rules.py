@@ -9,11 +9,13 @@ from cayley.discrete.rules import (
     MIDDLE,
     RULES,
     Points,
+    by_name,
     galerkin,
     gauss,
     lobatto,
     lobatto_weights,
     nodal,
+    spectral,
     verlet,
 )
 
@@ -68,3 +70,20 @@ def test_degree_of_galerkin_rules(degree):
         galerkin(time=degree)
     with pytest.raises(ValueError, match="galerkin: space is"):
         galerkin(time=1, space=degree)
+
+
+@pytest.mark.parametrize("degree", [0, 9, 1.0, True, "2"])
+def test_degree_of_spectral_rules(degree):
+    with pytest.raises(ValueError, match=r"spectral: space is .*; give a whole number from 1 to 8"):
+        spectral(space=degree)
+
+
+def test_spectral_rules_by_name():
+    for degree in (1, 4, 8):
+        rule = spectral(space=degree)
+        assert by_name(str(rule)) == rule
+        assert (rule.implicit, rule.degree, rule.cell, rule.order) == (False, degree, degree, 2)
+    with pytest.raises(
+        ValueError, match=r"there is no rule 'spectral'; give one of nodal, .* or spectral\(space=...\)"
+    ):
+        by_name("spectral")

@@ -42,16 +42,18 @@ def timed(q, c):
     return kinetic - 50.0 * q.x_s @ q.x_s * (1.0 + q.s) + np.cos(2e4 * q.t) * q.x[0] * q.s
 
 
-def timed_system() -> System:
+def timed_system(rule: cy.rules.Rule = cy.rules.verlet) -> System:
     domain = cy.Interval(0.0, 1.0, elements=24)
-    return narrow(cy.compile(timed, rule=cy.rules.verlet, domain=domain, held={"x": ("start", 11)}))
+    return narrow(cy.compile(timed, rule=rule, domain=domain, held={"x": ("start", 11)}))
 
 
 SYSTEMS = {
     "rods": lambda: narrow(discretize(busy_model(), cy.rules.verlet)),
     "nodal": lambda: narrow(discretize(busy_model(), cy.rules.nodal)),
     "matrices": lambda: narrow(discretize(busy_model(), cy.rules.verlet, rotation="matrix")),
+    "spectral": lambda: narrow(discretize(busy_model(), cy.rules.spectral(space=3))),
     "timed": timed_system,
+    "timed spectral": lambda: timed_system(cy.rules.spectral(space=2)),
     "free": lambda: narrow(discretize(cy.Model(round_rod(21), loads=[loads.gravity((1, 2, 3))]), cy.rules.verlet)),
 }
 
@@ -91,7 +93,7 @@ def test_wavefront(system, expected, monkeypatch, tile, depth):
     monkeypatch.setattr(decoupled_run, "TILE", tile)
     monkeypatch.setattr(decoupled_run, "DEPTH", depth)
     plan = decoupled_run.make_plan(system)
-    blocks = -(-system.size // 2)
+    blocks = -(-system.cells // 2)
     assert plan.depth == depth
     assert len(plan.spans) >= -(-blocks // tile)
     assert same(final(system), expected)

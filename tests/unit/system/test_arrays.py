@@ -12,7 +12,7 @@ from cayley.discrete.rules import verlet
 from cayley.lie import quaternion
 from cayley.system.compile import chain_arrays
 from cayley.system.discretize import discretize, spans
-from cayley.system.system import State, aligned, gather, pack
+from cayley.system.system import State, aligned, by_node, gather, pack
 from unit.density.examples import EXAMPLES
 from unit.system.rods import pendulum, round_rod, three_rods
 
@@ -59,6 +59,24 @@ def test_pack_and_gather(elements, seed):
     assert np.array_equal(padding[:, rows.values], np.broadcast_to(state.values[-1], (len(padding), 3)))
     frames = np.stack([inner, 2.0 * inner])
     assert np.array_equal(gather(frames, rows.values, n), [state.values, 2.0 * state.values])
+
+
+@pytest.mark.parametrize("degree", [2, 3, 5])
+def test_cells_of_several_nodes(degree):
+    """Nodes come back by node from cells, and the last node of each rod is alone in a cell without length."""
+    system = discretize(three_rods()[0], cy.rules.spectral(space=degree))
+    rng = np.random.default_rng(degree)
+    n, rows, layout = system.size, system.equations.rows, system.layout
+    state = State(values=rng.normal(size=(n, layout.rows)), momenta=rng.normal(size=(n, layout.dofs)))
+    inner = pack(system, state)[1:-1]
+    assert np.array_equal(by_node(system, inner, rows.values), state.values)
+    assert np.array_equal(by_node(system, inner, rows.momenta), state.momenta)
+    assert np.array_equal(by_node(system, inner, rows.held), system.free)
+    length = gather(inner, slice(rows.named["length"], rows.named["length"] + 1), system.cells)[:, 0]
+    ends = np.cumsum([(count - 1) // degree + 1 for count in system.chains]) - 1
+    assert np.array_equal(np.flatnonzero(length == 0.0), ends)
+    last = gather(inner, rows.momenta, system.cells)[ends, layout.dofs :]
+    assert not np.any(last)
 
 
 def test_aligned_arrays():

@@ -5,10 +5,10 @@ import pytest
 
 import cayley as cy
 from cayley import loads, supports
-from cayley.discrete.rules import nodal, verlet
+from cayley.discrete.rules import nodal, spectral, verlet
 from cayley.system.discretize import discretize
 from cayley.system.legendre import momenta_of
-from cayley.system.system import State, System, gather, pack
+from cayley.system.system import State, System, by_node, pack
 from unit.density.evaluation import turned
 from unit.density.examples import EXAMPLES, INERTIA
 from unit.system.rods import pendulum, round_rod, three_rods
@@ -22,7 +22,7 @@ def forces(system: System, values: np.ndarray) -> np.ndarray:
     uniforms[: len(system.uniforms)] = system.uniforms
     uniforms[0] = 1.0
     kernel(data, uniforms, 1, len(data) - 1)
-    return gather(data[1:-1], system.equations.rows.momenta, system.size)
+    return by_node(system, data[1:-1], system.equations.rows.momenta)
 
 
 def highest_frequency(system: System) -> float:
@@ -61,7 +61,7 @@ def assert_limit(system: System) -> None:
     assert exact / 1.025 <= system.stable_dt() <= exact * (1.0 + 1e-6)
 
 
-@pytest.mark.parametrize("rule", [nodal, verlet], ids=str)
+@pytest.mark.parametrize("rule", [nodal, verlet, spectral(space=2), spectral(space=5)], ids=str)
 @pytest.mark.parametrize("radius", [1e-3, 1e-2, 1e-1, 1.0])
 def test_rods_of_every_slenderness(rule, radius):
     """From a thread, where shear against rotation decides, to a block, where the element length does."""
@@ -74,6 +74,7 @@ def test_supports(elements, support):
     rod = round_rod(elements, radius=0.03)
     held = [] if support is None else [support(rod.start), supports.hold(rod.end, position="y")]
     assert_limit(discretize(cy.Model(rod, supports=held), verlet))
+    assert_limit(discretize(cy.Model(rod, supports=held), spectral(space=3)))
 
 
 def test_full_stiffness_and_inertia():
@@ -87,7 +88,7 @@ def test_full_stiffness_and_inertia():
     assert_limit(discretize(cy.Model(rod), nodal))
 
 
-@pytest.mark.parametrize("rule", [nodal, verlet], ids=str)
+@pytest.mark.parametrize("rule", [nodal, verlet, spectral(space=2), spectral(space=5)], ids=str)
 def test_several_rods(rule):
     assert_limit(discretize(three_rods()[0], rule))
 
@@ -95,7 +96,9 @@ def test_several_rods(rule):
 def test_more_nodes_than_dense_eigenvalues_are_taken_for():
     """The certified bisection: 86 nodes of two rods."""
     a, b = round_rod(40, name="a"), round_rod(44, radius=0.02, origin=(0, 1, 0), name="b")
-    assert_limit(discretize(cy.Model(a, b, supports=[supports.pin(a.start)]), verlet))
+    model = cy.Model(a, b, supports=[supports.pin(a.start)])
+    assert_limit(discretize(model, verlet))
+    assert_limit(discretize(model, spectral(space=2)))
 
 
 def test_matrix_form_has_the_same_limit():
