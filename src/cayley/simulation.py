@@ -275,7 +275,7 @@ def _run(
     plan = schedule(span, step, save_every)
     state = state.at_step(plan.h)
     begin, received = state, [_Block.of(system, state)]
-    stepper = stepper_of(system.equations.rule)
+    stepper = stepper_of(system)
 
     def receive(stride: int, values: np.ndarray, momenta: np.ndarray) -> None:
         numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))

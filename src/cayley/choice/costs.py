@@ -83,7 +83,7 @@ def _measured(rule: Rule) -> float:
     state = initial_state(system, system.reference, np.zeros((system.size, system.layout.dofs)))
     h, steps = (IMPLICIT_DT, 12) if rule.implicit else (0.9 * system.stable_dt(), 2000)
     state = state.at_step(h)
-    stepper = stepper_of(rule)
+    stepper = stepper_of(system)
     stepper.prepare(system)
     best = math.inf
     for _ in range(REPEATS):

@@ -9,6 +9,7 @@ import numpy as np
 
 from cayley.density import Density
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
+from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.element import element_energy, element_forces, element_points
 from cayley.discrete.embedded import point_program
 from cayley.discrete.fused import fused_program
@@ -35,6 +36,7 @@ class Rows:
             there is none), and, where they are not uniform, "inverse", "here" and constants.
         observed: velocities, then forces on the left and right node of the element, then load, slopes and energies.
         count: number of rows.
+        constraint: what the programs of constrained densities read and write (see discrete.constraint).
     """
 
     values: slice
@@ -44,6 +46,7 @@ class Rows:
     named: dict[str, int]
     observed: dict[str, slice]
     count: int
+    constraint: dict[str, slice] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,8 @@ class DiscreteEquations:
             varying = tuple(n for n in self.density.names if n in self.varying)
             if name == "fused":
                 self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
+            elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
+                self._derived[name] = constrained_program(_Writer(self), name)
             elif name.endswith("_point"):
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
@@ -87,7 +92,7 @@ class DiscreteEquations:
     def main_program(self) -> str:
         """Name of the program that does most of the work of a step."""
         if not self.rule.implicit:
-            return "step"
+            return "drift" if self.density.constraints.numel() else "step"
         if self.rule.one_stage:
             return "fused"
         return "strain_point" if self.density.lagrangian.interval else "inertia_point"
@@ -109,7 +114,9 @@ class DiscreteEquations:
         for block in self.blocks:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
             words.append(f"{names} {'explicit' if block.linear else 'by Newton'}")
-        return "decoupled nodes; " + "; ".join(words)
+        count = self.density.constraints.numel()
+        solved = f"; {count} multiplier{'s' * (count > 1)} an element, block tridiagonal, by Newton" if count else ""
+        return "decoupled nodes; " + "; ".join(words) + solved
 
     @property
     def signature(self) -> str:
@@ -150,6 +157,11 @@ def derive(
         )
     if rule.implicit and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but the rule {rule} is there for quaternions only, yet")
+    if density.constraints.numel() and (rule.implicit or rule.strain.corners):
+        raise ValueError(
+            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
+            f"use the explicit rules verlet or screw"
+        )
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
     unknown = sorted(set(varying) - set(candidates))
@@ -157,6 +169,7 @@ def derive(
         raise ValueError(f"varying names {unknown[0]!r}; inputs are {', '.join(candidates)}")
     uniforms = tuple(name for name in candidates if name not in set(varying))
     rows = _assign_rows(layout, [name for name in candidates if name not in uniforms], interval=along is not None)
+    rows = constrained_rows(rows, layout, density.constraints.numel())
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 
 
@@ -214,7 +227,13 @@ class _Writer:
             place |= {"left": place["here"], "right": wrap(self.symbol["right"])}
         return place
 
-    def _program(self, name: str, steps: list[Step], stores: list[tuple[int, ca.SX]]) -> Program:
+    def _program(
+        self,
+        name: str,
+        steps: list[Step],
+        stores: list[tuple[int, ca.SX]],
+        more: Iterable[tuple[ca.SX, int, int]] = (),
+    ) -> Program:
         """Close a program: read just what its steps need."""
         lanes = [(s, i, 0) for s, i in zip(_entries(self.node), _range(self.rows.values), strict=True)]
         lanes += [(s, i, 1) for s, i in zip(_entries(self.next), _range(self.rows.values), strict=True)]
@@ -223,6 +242,7 @@ class _Writer:
         lanes += [(self.symbol[n], i, 0) for n, i in self.rows.named.items()]
         if self.interval:
             lanes.append((self.symbol["right"], self.rows.named["here"], 1))
+        lanes += more
         uniforms = tuple(self.symbol[n] for n in self.uniforms)
         return Program(name, uniforms, tuple(lanes), tuple(steps), tuple(stores), self.rows.count)
 
