@@ -162,6 +162,8 @@ def derive(
             f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
             f"use the explicit rules verlet or screw"
         )
+    if density.constraints.numel() and rotation != "quaternion":
+        raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
     unknown = sorted(set(varying) - set(candidates))

@@ -268,3 +268,16 @@ def _call(calls, uniforms, data, kind):  # type: ignore[no-untyped-def]
 @njit(**_options)
 def _run(calls, uniforms, data, kind):  # type: ignore[no-untyped-def]
     return call_kernel(calls[kind, 0], data.ctypes.data, uniforms[kind].ctypes.data, 1, data.shape[0] - 1)
+
+
+@njit(**_options)
+def instant(calls, uniforms, data, at, nodes, count, turning):  # type: ignore[no-untyped-def]
+    """Solve G M⁻¹ Gᵀ ι = G M⁻¹ f + turning, with f in the rows of momenta; the solution replaces turning."""
+    inverse, factor = np.zeros((nodes, count, count)), np.zeros((nodes, count, count))
+    found = _factorize(calls, uniforms, data, at, nodes, count, inverse, factor)
+    _call(calls, uniforms, data, 4)
+    for a in range(nodes):
+        for i in range(count):
+            turning[a, i] += data[1 + a // data.shape[2], at[12] + i, a % data.shape[2]]
+    _substitute(turning, inverse, factor)
+    return found

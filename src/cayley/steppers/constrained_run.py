@@ -138,3 +138,22 @@ def _advance(
         *((table, plan.entries, plan.scales), clock, stride, frames, memory, counts),
     )
     return list(Outcome)[code], reached, counts, memory
+
+
+def pulls(system: System, state: State, turning: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Forces −Gᵀ ι of the multipliers on the left and right node of every element, G M⁻¹ (f − Gᵀ ι) + turning = 0.
+
+    Args:
+        system: the system.
+        state: values, and the forces f in place of momenta.
+        turning: acceleration of g from velocities alone, shape (nodes, count).
+
+    Returns: two arrays of shape (nodes, dofs), an element at its left node.
+    """
+    plan, data = make_plan(system), pack(system, state)
+    impulse = turning.copy()
+    constrained.instant(plan.calls, plan.uniforms, data, plan.at, system.size, plan.count, impulse)
+    rows, shape = system.equations.rows.constraint, (system.size, plan.count, system.layout.dofs)
+    sides = (gather(data[1:-1], rows[name], system.size).reshape(shape) for name in ("left", "right"))
+    left, right = (-np.einsum("akd,ak->ad", side, impulse) for side in sides)
+    return left, right
