@@ -384,14 +384,17 @@ def _consistent(system: System, state: State, *, check_rates: bool = True) -> St
         raise ValueError(f"{where} by {found[worst]:.3g}; give positions and rotations for which it is zero")
     momenta, node = projected(system, state)
     if node >= 0:
-        raise ValueError(f"at node {node} of the model: {Outcome.REDUNDANT.value}; hold less or give another kinematics")
+        raise ValueError(
+            f"at node {node} of the model: {Outcome.REDUNDANT.value}; hold less or give another kinematics"
+        )
     change = np.abs(momenta - state.momenta).max(axis=0)
     scale = np.abs(state.momenta).max(axis=0)
     if check_rates and np.any(change > 1e-6 * scale.max(initial=0.0)):
         worst = int(np.argmax(np.abs(momenta - state.momenta).max(axis=1)))
         raise ValueError(
             f"the velocities at the start violate the constraint of {_name(system)}, most at node {worst}; give "
-            f"velocities that keep it, such as v = v0 + w x r with the angular velocity w, or momenta, which are projected"
+            f"velocities that keep it, such as v = v0 + w x r with the angular velocity w, or momenta, which are "
+            f"projected"
         )
     return replace(state, momenta=momenta)
 

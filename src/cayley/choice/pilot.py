@@ -6,7 +6,6 @@ from types import ModuleType
 
 import numpy as np
 
-from cayley.discrete.rules import Rule
 from cayley.steppers import decoupled_run
 from cayley.steppers.outcome import Outcome
 from cayley.system.system import State, System

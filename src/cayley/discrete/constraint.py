@@ -85,7 +85,7 @@ def _drift(w: Any, name: str, held: bool) -> Program:
 
 
 def _violation(w: Any, name: str, held: bool) -> Program:
-    """g at j + 1, zero where there is no element."""
+    """G at j + 1, zero where there is no element."""
     a, b = symbols("a", w.layout.rows), symbols("b", w.layout.rows)
     g = element_constraints(w.density, w.rule.strain, w.layout, (a, b), w._place())
     stores = _stores(w.rows, "violation", _there(w, g))
@@ -97,9 +97,7 @@ def _schur(w: Any, name: str, held: bool) -> Program:
     """G and the blocks of G M⁻¹ Gᵀ at the values of the nodes."""
     count, dofs = w.density.constraints.numel(), w.layout.dofs
     g = element_constraints(w.density, w.rule.strain, w.layout, (w.node, w.next), w._place())
-    left, right = (
-        _there(w, ca.jacobian(g, to_sx(end)) @ tangent(w.layout, end)) for end in (w.node, w.next)
-    )
+    left, right = (_there(w, ca.jacobian(g, to_sx(end)) @ tangent(w.layout, end)) for end in (w.node, w.next))
     (here, there), more = _inverse_masses(w, held)
     names = [symbols(n, count, dofs) for n in ("left", "right", "before")]
     own, other, before = (to_sx(n) for n in names)

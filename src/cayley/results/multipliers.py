@@ -47,12 +47,13 @@ def _rates(system: System) -> ca.Function:
     """Ġ v of the element at the right of a node, and b of the node."""
     equations, layout = system.equations, system.layout
     density, along = equations.density, equations.density.lagrangian.interval
-    ends, rates = (tuple(symbols(n, size) for n in names) for names, size in ((("a", "b"), layout.rows), (("u", "v"), layout.dofs)))
+    ends = symbols("a", layout.rows), symbols("b", layout.rows)
+    rates = symbols("u", layout.dofs), symbols("v", layout.dofs)
     named = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "weight", "t")}
     place = named | {"here": named["left"]}
     rows = ca.vertcat(*[to_sx(e) for e in ends])
     moving = ca.vertcat(*[tangent(layout, e) @ to_sx(v) for e, v in zip(ends, rates, strict=True)])
-    g = element_constraints(density, equations.rule.strain, layout, (ends[0], ends[1]), place)
+    g = element_constraints(density, equations.rule.strain, layout, ends, place)
     turning = ca.jtimes(ca.jtimes(g, rows, moving), rows, moving)
     point = node_point(layout, ends[0], along, place)
     point |= {f"{name}_t": rates[0][layout.dofs_of(name)] for name in layout.fields}
@@ -76,6 +77,5 @@ def _inputs(system: System, values: np.ndarray, velocity: np.ndarray, time: floa
     here = named["here"]
     columns = [inverse, here, np.roll(here, -1), named["weight"], time * ones]
     constants = [named.get(name, known.get(name, 0.0) * ones) for name in system.equations.density.names]
-    following = (np.roll(array, -1, axis=0) for array in (values, velocity))
-    after, faster = following
+    after, faster = (np.roll(array, -1, axis=0) for array in (values, velocity))
     return np.column_stack([values, after, velocity, faster, *columns, *constants]).T

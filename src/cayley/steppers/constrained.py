@@ -20,7 +20,9 @@ _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 @njit(**_options)
-def advance(calls, uniforms, data, at, nodes, count, fixed, loads, clock, stride, frames, memory, counts):  # type: ignore[no-untyped-def]
+def advance(  # type: ignore[no-untyped-def]
+    calls, uniforms, data, at, nodes, count, fixed, loads, clock, stride, frames, memory, counts
+):
     """Advance through len(frames) saves of stride steps each; the arguments are those of steppers.constrained_run.
 
     Returns: (outcome, number of the save); counts holds iterations in all, most in a step, failed step and node.
@@ -44,7 +46,8 @@ def advance(calls, uniforms, data, at, nodes, count, fixed, loads, clock, stride
                 for i in range(count):
                     guess = 2.0 * force[a, i] - old[a, i] if j > 1 else force[a, i]
                     data[block, at[6] + i, lane] = guess * part * data[block, at[13], lane]
-            passes, solved = _solve(calls, uniforms, data, at, nodes, count, clock, number, inverse, factor, right, floor)
+            work = (inverse, factor, right)
+            passes, solved = _solve(calls, uniforms, data, at, nodes, count, clock, number, work, floor)
             counts[0] += passes
             counts[1] = max(counts[1], passes)
             if not solved:
@@ -110,8 +113,9 @@ def project(calls, uniforms, data, at, nodes, count, inverse, factor, right):  #
 
 
 @njit(**_options)
-def _solve(calls, uniforms, data, at, nodes, count, clock, number, inverse, factor, right, floor):  # type: ignore[no-untyped-def]
+def _solve(calls, uniforms, data, at, nodes, count, clock, number, work, floor):  # type: ignore[no-untyped-def]
     """Newton's method for the multipliers of a step; returns (passes, converged)."""
+    inverse, factor, right = work
     lanes, last = data.shape[2], math.inf
     _times(uniforms, 1, clock, clock[1], number, number + 1)
     call_setup(calls[1, 1], uniforms[1].ctypes.data)

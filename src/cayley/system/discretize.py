@@ -31,12 +31,13 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     Returns: the System; its nodes are those of the rods, one rod after the other.
     """
     rods = model.rods
+    library_density = _KINEMATICS[_one_kinematics(rods)][0]
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
     constants = [_rod_constants(rod, gravity) for rod in rods]
     pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
-    density = trace(_KINEMATICS[_one_kinematics(rods)][0], pattern)
+    density = trace(library_density, pattern)
     entries = {name: np.array([_entry(c, name) for c in constants]) for name in density.names}
     inverse = np.array([1.0 / rod.element_length for rod in rods])
     varying = [name for name, values in entries.items() if np.any(values != values[0])]
