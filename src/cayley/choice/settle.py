@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cayley.choice.costs import seconds_per_step
+from cayley.choice.costs import CONSTRAINED, seconds_per_step
 from cayley.choice.pilot import Track, differences, follow, frames_of
 from cayley.choice.schedule import schedule
 from cayley.discrete.rules import Rule
@@ -229,4 +229,6 @@ def expected_difference(task: Task, coarse: Track, fine: Track) -> float:
 def _per_step(task: Task, rule: Rule) -> float:
     """Expected wall time of a step [s]."""
     evaluations = len(rule.time.at) if rule.implicit else 1
-    return seconds_per_step(rule, task.nodes) + evaluations * task.loads
+    constrained = task.begin(rule)[0].equations.density.constraints.numel() > 0
+    own = seconds_per_step(rule, task.nodes) * (CONSTRAINED if constrained else 1.0)
+    return own + evaluations * task.loads

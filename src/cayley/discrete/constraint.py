@@ -66,7 +66,7 @@ def _drift(w: Any, name: str, held: bool) -> Program:
     weight, inverse = wrap(w.symbol["weight"]), wrap(w.symbol["1/weight"])
     total = w.momentum - left.T @ impulse - carried
     steps: list[Step] = [
-        Assign(tuple(_list(handed)), tuple(_list(right.T @ impulse))),
+        Assign(tuple(_list(handed)), tuple(_list(wrap(right.T @ impulse)))),
         Carry(tuple(_list(carried)), tuple(_list(handed)), tuple(_range(rows.constraint["handed"]))),
         Assign(tuple(_list(given)), tuple(_list(total))),
         Assign(tuple(_list(pushed)), tuple(_list(given * inverse))),
@@ -165,7 +165,7 @@ def _there(w: Any, matrix: ca.SX) -> ca.SX:
 
 
 def _lanes(rows: Any, shift: int = 0, **named: Expression) -> list[tuple[ca.SX, int, int]]:
-    pairs = [(_list(value.reshape(-1)), _range(rows.constraint[name])) for name, value in named.items()]
+    pairs = [(_list(wrap(value.reshape(-1))), _range(rows.constraint[name])) for name, value in named.items()]
     return [(s, i, shift) for entries, where in pairs for s, i in zip(entries, where, strict=True)]
 
 
