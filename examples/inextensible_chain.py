@@ -1,8 +1,8 @@
 """A chain that cannot stretch: Daniel Bernoulli's hanging chain again, with a constraint instead of a stiff spring.
 
-The chain of own_density_string.py keeps its length by a stiffness of 1e4 times its weight, and the speed of its stretching
-waves bounds the step. Here ‖x′‖ = 1 holds by Lagrange multipliers in every element, so that nothing is left that vibrates
-faster than the chain swings. The lowest mode is y = J₀(j √(1 - s/ℓ)) cos ωt with ω = ½ j √(g/ℓ), j = 2.404826.
+The chain of own_density_string.py keeps its length by a stiffness of 1e4 times its weight, and the speed of its
+stretching waves bounds the step. Here ‖x′‖ = 1 holds by Lagrange multipliers in every element, so nothing is left that
+vibrates faster than the chain swings. The lowest mode is y = J₀(j √(1 - s/ℓ)) cos ωt with ω = ½ j √(g/ℓ), j = 2.404826.
 """
 
 import numpy as np

@@ -227,6 +227,7 @@ def _task(
         save_every=_spacing(save_every, span),
         accuracy=accuracy,
         loads=seconds_of_loads(system),
+        constrained=system.equations.density.constraints.numel() > 0,
         busy_after=max((start for start in starts if start < t_end), default=0.0),
     )
 
