@@ -7,13 +7,12 @@ from concurrent.futures import ProcessPoolExecutor
 from audit import ROOT, figures, page
 from audit.measures import Finding, measure
 from audit.problems import PROBLEMS
+from audit.rules import EVERYWHERE, ON_INTERVALS, STIFF
 from audit.stiff import Convergence, converge
-from cayley.discrete.rules import Rule, galerkin, midpoint, nodal, nodal_midpoint, verlet
+from cayley.discrete.rules import Rule
 
-LONE = (nodal, verlet, midpoint, nodal_midpoint, *(galerkin(time=r) for r in (1, 2, 3, 4)))
-RODS = (*LONE, galerkin(time=1, space=2), galerkin(time=2, space=2), galerkin(time=3, space=3))
+RODS = (*EVERYWHERE, *ON_INTERVALS)
 FORMS = ("quaternion", "matrix")
-STIFF = (midpoint, *(galerkin(time=r) for r in (2, 3, 4)))
 Case = tuple[int, Rule, str]
 
 
@@ -23,7 +22,7 @@ def main() -> None:
     cases = [
         (k, rule, form)
         for k, problem in enumerate(PROBLEMS)
-        for rule in (RODS if problem.on_interval else LONE)
+        for rule in (RODS if problem.on_interval else EVERYWHERE)
         for form in FORMS
     ]
     cases.sort(key=lambda case: -len(case[1].time.at) * case[1].degree)  # the long ones first

@@ -19,6 +19,8 @@ MARKS = {
     "verlet": "o",
     "midpoint": "D",
     "nodal_midpoint": "v",
+    "screw": "^",
+    "screw_midpoint": "<",
     "galerkin(time=1)": "+",
     "galerkin(time=2)": "o",
     "galerkin(time=3)": "o",
@@ -38,7 +40,7 @@ def draw_order(found: Sequence[Finding], path: Path) -> None:
             if f.problem != name or not len(f.errors) or f.form != "quaternion":
                 continue
             style = {"color": COLORS[f.expected], "fillstyle": "none", "ms": 6}
-            ax.loglog(f.steps, f.errors, MARKS[f.rule], label=f.rule, **style)
+            ax.loglog(f.steps, f.errors, MARKS.get(f.rule, "."), label=f.rule, **style)
             line = f.errors[-1] * (f.steps / f.steps[-1]) ** f.expected
             ax.loglog(f.steps, line, "-", lw=0.7, color=COLORS[f.expected], zorder=0)
         ax.set(title=name, xlabel="time step [s]")

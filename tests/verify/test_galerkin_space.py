@@ -111,10 +111,6 @@ def test_tip_of_the_rubber_pendulum(time, space, elements, h, expected):
     np.testing.assert_allclose(positions(run)[-1, -1], expected, atol=2e-7)
 
 
-@pytest.mark.xfail(
-    reason="Newton's method stops at the 23rd of 25 steps of 0.04 s: neither start of a step is near enough",
-    raises=cy.SimulationError,
-)
 def test_long_steps_of_the_rubber_pendulum():
     """Three elements and 25 steps for the swing of a second: as near as the mesh allows."""
     _, model = pendulum(3)

@@ -45,7 +45,7 @@ def point_program(
         point = embedded_point(layout, z, slope, "t") | place
         value = density.value("inertia", point) - density.value("load", point)
     elif points is not None and points.between_ends:
-        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here)}
+        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here + 1.0 / inverse)}
         value = element_energy(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
     else:
         value = density.value("strain", embedded_point(layout, z, slope, str(along)) | place)

@@ -88,6 +88,16 @@ def subtract_product(out: np.ndarray, a: np.ndarray, b: np.ndarray) -> None:
                     out[i, j] -= factor * b[k, j]
 
 
+@njit(**_options)
+def subtract_vector(out: np.ndarray, a: np.ndarray, x: np.ndarray) -> None:
+    """Subtract A x from a vector."""
+    for i in range(a.shape[0]):
+        total = 0.0
+        for k in range(a.shape[1]):
+            total += a[i, k] * x[k]
+        out[i] -= total
+
+
 @functools.cache
 def chain_solver(n: int) -> Callable[..., None]:
     """A solver of block tridiagonal systems whose blocks have n rows: a size known to the compiler unrolls its loops.

@@ -15,14 +15,18 @@ import numpy as np
 from numba import njit
 
 from cayley.steppers.calls import call_kernel, call_setup
-from cayley.steppers.dense import factorize, solve_columns, solve_factorized, subtract_product
+from cayley.steppers.dense import factorize, solve_columns, solve_factorized, subtract_product, subtract_vector
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 QUICK_ITERATIONS = 20
 ITERATIONS = 60
 """Most iterations of the first try of a step, and of the careful second one."""
 STEP_TOLERANCE = 1e-9
-"""Newton stops when its last correction is this small: the next would be about its square."""
+"""Newton stops when a correction with a new tangent is this small: the next would be about its square."""
+LEFT_TOLERANCE = 1e-16
+"""It stops too when corrections with one tangent shrink at a rate that leaves this in all."""
+SLOW = 0.15
+"""A correction that is more than this part of the one before asks for a new tangent."""
 FLOOR = 1e-6
 """Below this a correction that no longer shrinks is rounding, not failure to converge."""
 LARGEST_TURN = 1.0
@@ -60,6 +64,7 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
                 else:
                     for i in range(1, last + 1):
                         control[:, i] = control[:, 0]
+                _hold(mesh, control)
                 passes, worst, solved = _newton(
                     calls, rule, mesh, work, state, loads, number, begin, clock[1], attempt > 0
                 )
@@ -70,14 +75,9 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
             counts[2], counts[3] = number, worst
             if not solved:
                 return NOT_CONVERGED, save
+            _hand_on(mesh, work, control, momenta)
             memory[:] = control[:, :last]
             control[:, 0] = control[:, last]
-            gamma = work[0]
-            for a in range(nodes):
-                _trivialize(gamma[a, last], control[a, last], fields, momenta[a])
-                for d in range(momenta.shape[1]):
-                    if not free[a, d]:
-                        momenta[a, d] = 0.0
         check = 0.0
         for a in range(nodes):
             for k in range(rows):
@@ -95,21 +95,26 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
 def _newton(calls, rule, mesh, work, state, loads, number, begin, h, careful):
     """Solve one step; returns (iterations, node of the largest correction, converged).
 
-    Stiff structures converge fast but not monotonically, so full corrections come first. The careful second try takes
-    one that makes the next larger for too long (the natural monotonicity test of Deuflhard 2004, section 3.3), takes
-    it back and halves it.
+    Stiff structures converge fast but not monotonically, so full corrections come first, with a new tangent only where
+    the last one no longer serves. The careful second try takes a new tangent every time, takes a correction that makes
+    the next larger for too long (the natural monotonicity test of Deuflhard 2004, section 3.3), takes it back and
+    halves it.
     """
     control, right = state[0], work[5]
-    accepted, taken = control.copy(), np.zeros_like(right)
-    last, part, worst = math.inf, 1.0, 0
+    accepted, taken = work[12], work[13]
+    accepted[:] = control
+    last, part, worst, fresh = math.inf, 1.0, 0, True
     for iteration in range(ITERATIONS if careful else QUICK_ITERATIONS):
-        _assemble(calls, rule, mesh, work, state, loads, number, begin, h)
-        _eliminate(mesh, work)
+        _assemble(calls, rule, mesh, work, state, loads, number, begin, h, fresh)
+        if fresh:
+            _factorize_chains(mesh, work)
+        _solve_chains(mesh, work)
         size, turn, worst = _measure(mesh, right, control)
         if careful and not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
             part *= 0.5
             control[:] = accepted
             _move(mesh, taken, control, part)
+            _hold(mesh, control)
             continue
         if not math.isfinite(size) or (not careful and size > WILD_GROWTH * last):
             return iteration + 1, worst, False
@@ -117,21 +122,27 @@ def _newton(calls, rule, mesh, work, state, loads, number, begin, h, careful):
         taken[:] = right
         part = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
         _move(mesh, taken, control, part)
-        if size <= STEP_TOLERANCE or (size <= FLOOR and size > 0.3 * last):
-            _assemble(calls, rule, mesh, work, state, loads, number, begin, h)  # momenta of the corrected nodes
+        _hold(mesh, control)
+        rate = size / last  # 0 at first
+        settled = size <= STEP_TOLERANCE or (size <= FLOOR and rate > 0.3)
+        if (fresh and settled) or (0.0 < rate < SLOW and size * rate <= LEFT_TOLERANCE):
+            _assemble(calls, rule, mesh, work, state, loads, number, begin, h, False)  # momenta of the corrected nodes
             return iteration + 1, worst, True
+        fresh = careful or rate > SLOW
         last = size
     return ITERATIONS, worst, False
 
 
 @njit(**_options)
-def _assemble(calls, rule, mesh, work, state, loads, number, begin, h):
-    """Evaluate all terms and fill γ, the blocks and the right-hand side."""
+def _assemble(calls, rule, mesh, work, state, loads, number, begin, h, tangent):
+    """Evaluate all terms and fill γ, the right-hand side and, if a tangent is wanted, the blocks."""
     ell, weights = rule[0], rule[2]
     gamma, stage, diagonal, upper, lower, right = work[0], work[1], work[2], work[3], work[4], work[5]
     control, momenta = state[0], state[1]
     fields, free = mesh[3], mesh[4]
-    gamma[:], stage[:], diagonal[:], upper[:], lower[:], right[:] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    gamma[:], stage[:], right[:] = 0.0, 0.0, 0.0
+    if tangent:
+        diagonal[:], upper[:], lower[:] = 0.0, 0.0, 0.0
     nodes, stages = control.shape[0], ell.shape[0]
     for a in range(nodes):
         for k in range(stages):
@@ -140,10 +151,10 @@ def _assemble(calls, rule, mesh, work, state, loads, number, begin, h):
                     stage[a, k, row] += ell[k, i] * control[a, i, row]
     for k in range(stages):
         time = begin + rule[7][k] * h
-        _inertia(calls, rule, mesh, work, state, k, time, h)
+        _inertia(calls, rule, mesh, work, state, k, time, h, tangent)
         _push(loads, fields, work, rule, number, k, h * weights[k])
     if mesh[1].shape[0]:
-        _strain(calls, rule, mesh, work, begin, h)
+        _strain(calls, rule, mesh, work, begin, h, tangent)
     dofs, r = momenta.shape[1], control.shape[1] - 1
     moment = np.zeros(dofs)
     for a in range(nodes):
@@ -153,6 +164,8 @@ def _assemble(calls, rule, mesh, work, state, loads, number, begin, h):
             for d in range(dofs):
                 value = moment[d] + (momenta[a, d] if i == 0 else 0.0)
                 right[block, base + i * dofs + d] = -value if free[a, d] else 0.0
+        if not tangent:
+            continue
         for i in range(1, r):
             _turn_correction(
                 gamma[a, i], control[a, i], fields, diagonal[block], base + i * dofs, base + (i - 1) * dofs
@@ -165,13 +178,13 @@ def _assemble(calls, rule, mesh, work, state, loads, number, begin, h):
                     upper[block, row] = 0.0
                     lower[block, row] = 0.0
                     diagonal[block, row, row] = 1.0
-    for b in range(diagonal.shape[0]):
+    for b in range(diagonal.shape[0] if tangent else 0):
         for row in range(mesh[5][b], diagonal.shape[1]):
             diagonal[b, row, row] = 1.0  # the first block of a chain has one node only
 
 
 @njit(**_options)
-def _inertia(calls, rule, mesh, work, state, k, time, h):
+def _inertia(calls, rule, mesh, work, state, k, time, h, tangent):
     """T − U at one stage, contracted with the interpolation in time at every node."""
     ell, dell, weights = rule[0], rule[1], rule[2]
     gamma, stage, diagonal, points = work[0], work[1], work[2], work[6]
@@ -197,7 +210,7 @@ def _inertia(calls, rule, mesh, work, state, k, time, h):
             for row in range(rows):
                 value, slope = points[block, first + 1 + row, lane], points[block, first + 1 + rows + row, lane]
                 gamma[a, i, row] += w * (ell[k, i] * value + dell[k, i] / h * slope)
-        for i in range(order - 1):
+        for i in range(order - 1 if tangent else 0):
             for j in range(1, order):
                 s11, s12 = w * ell[k, i] * ell[k, j], w * ell[k, i] * dell[k, j] / h
                 s21, s22 = w * dell[k, i] * ell[k, j] / h, w * dell[k, i] * dell[k, j] / (h * h)
@@ -209,7 +222,7 @@ def _inertia(calls, rule, mesh, work, state, k, time, h):
 
 
 @njit(**_options)
-def _strain(calls, rule, mesh, work, begin, h):
+def _strain(calls, rule, mesh, work, begin, h, tangent):
     """−W at all stages, contracted with the interpolation in space and time over every element."""
     ell, weights, phi, psi, heavy = rule[0], rule[2], rule[4], rule[5], rule[6]
     gamma, stage, diagonal, upper, lower, stretches = work[0], work[1], work[2], work[3], work[4], work[7]
@@ -246,7 +259,7 @@ def _strain(calls, rule, mesh, work, begin, h):
                         pulled = w * (phi[g, a] * value + psi[g, a] * inverse * slope)
                         for i in range(order):
                             gamma[start + a, i, row] += ell[k, i] * pulled
-        for a in range(width):
+        for a in range(width if tangent else 0):
             for b in range(width):
                 over[:] = 0.0
                 for k in range(stages):
@@ -400,23 +413,110 @@ def _turn_correction(gradient, point, fields, out, row, column):
 
 
 @njit(**_options)
-def _eliminate(mesh, work):
-    """Block LU along every chain; the solution replaces the right-hand side."""
-    diagonal, upper, lower, right = work[2], work[3], work[4], work[5]
+def _factorize_chains(mesh, work):
+    """Block LU along every chain: factors of the pivot blocks, and the upper blocks divided by them."""
+    diagonal, upper, lower, pivots = work[2], work[3], work[4], work[11]
     chains = mesh[7]
-    pivots = np.zeros((diagonal.shape[0], diagonal.shape[1]), dtype=np.int64)
     for c in range(chains.shape[0]):
         first, last = chains[c, 0], chains[c, 1]
         for b in range(first, last):
             factorize(diagonal[b], pivots[b])
+            if b + 1 < last:
+                solve_columns(diagonal[b], pivots[b], upper[b])
+                subtract_product(diagonal[b + 1], lower[b + 1], upper[b])
+
+
+@njit(**_options)
+def _solve_chains(mesh, work):
+    """The solution replaces the right-hand side."""
+    diagonal, upper, lower, right, pivots = work[2], work[3], work[4], work[5], work[11]
+    chains = mesh[7]
+    for c in range(chains.shape[0]):
+        first, last = chains[c, 0], chains[c, 1]
+        for b in range(first, last):
+            if b > first:
+                subtract_vector(right[b], lower[b], right[b - 1])
             solve_factorized(diagonal[b], pivots[b], right[b])
-            if b + 1 == last:
-                continue
-            solve_columns(diagonal[b], pivots[b], upper[b])
-            subtract_product(diagonal[b + 1], lower[b + 1], upper[b])
-            right[b + 1] -= lower[b + 1] @ right[b]
         for b in range(last - 2, first - 1, -1):
-            right[b] -= upper[b] @ right[b + 1]
+            subtract_vector(right[b], upper[b], right[b + 1])
+
+
+@njit(**_options)
+def _hand_on(mesh, work, control, momenta):
+    """Momenta at the end of the step, μ⁺ = D_r L_d, and what its equations leave unsolved.
+
+    The sum of D_i L_d over all nodes of a symmetric system vanishes, so with the residuals handed on the momentum maps
+    do not depend on how well the equations are solved. That of a rotation is turned into the frame of the new momentum.
+    """
+    fields, free, right, gamma = mesh[3], mesh[4], work[5], work[0]
+    last, dofs = control.shape[1] - 1, free.shape[1]
+    for a in range(control.shape[0]):
+        block, base = mesh[2][a, 0], mesh[2][a, 1]
+        _trivialize(gamma[a, last], control[a, last], fields, momenta[a])
+        for f in range(fields.shape[0]):
+            turns, row, dof, count = fields[f]
+            for i in range(last):
+                at = base + i * dofs + dof
+                if turns:
+                    hand_turned(control[a, i], control[a, last], row, right[block, at : at + 3], momenta[a, dof:])
+                else:
+                    for k in range(count):
+                        momenta[a, dof + k] -= right[block, at + k]
+        for d in range(dofs):
+            if not free[a, d]:
+                momenta[a, d] = 0.0
+
+
+@njit(**_options)
+def hand_turned(before, after, row, unsolved, out):
+    """Subtract a body vector of one frame, given in another."""
+    w, x, y, z = before[row], before[row + 1], before[row + 2], before[row + 3]
+    a, b, c, d = after[row], after[row + 1], after[row + 2], after[row + 3]
+    s = a * w + b * x + c * y + d * z  # conj(after) before = (s, u)
+    u = (a * x - b * w - c * z + d * y, a * y - c * w - d * x + b * z, a * z - d * w - b * y + c * x)
+    t = (
+        u[1] * unsolved[2] - u[2] * unsolved[1],
+        u[2] * unsolved[0] - u[0] * unsolved[2],
+        u[0] * unsolved[1] - u[1] * unsolved[0],
+    )
+    out[0] -= unsolved[0] + 2.0 * (s * t[0] + u[1] * t[2] - u[2] * t[1])
+    out[1] -= unsolved[1] + 2.0 * (s * t[1] + u[2] * t[0] - u[0] * t[2])
+    out[2] -= unsolved[2] + 2.0 * (s * t[2] + u[0] * t[1] - u[1] * t[0])
+
+
+@njit(**_options)
+def _hold(mesh, control):
+    """Held components of all control nodes are those at the start of the step; of rotations, those of the turn."""
+    fields, free = mesh[3], mesh[4]
+    for a in range(control.shape[0]):
+        for f in range(fields.shape[0]):
+            turns, row, dof, count = fields[f]
+            for i in range(1, control.shape[1]):
+                if turns:
+                    hold_turn(control[a, 0, row : row + 4], control[a, i, row : row + 4], free[a, dof : dof + 3])
+                    continue
+                for k in range(count):
+                    if not free[a, dof + k]:
+                        control[a, i, row + k] = control[a, 0, row + k]
+
+
+@njit(**_options)
+def hold_turn(start, point, free):
+    """Take held components out of the Cayley vector f of a turn, point = start Cay f."""
+    if free[0] and free[1] and free[2]:
+        return
+    if not (free[0] or free[1] or free[2]):
+        point[:] = start
+        return
+    w, x, y, z = start[0], start[1], start[2], start[3]
+    a, b, c, d = point[0], point[1], point[2], point[3]
+    s = w * a + x * b + y * c + z * d
+    f = np.zeros(3)
+    f[0] = (w * b - x * a - y * d + z * c) / s if free[0] else 0.0
+    f[1] = (w * c - y * a - z * b + x * d) / s if free[1] else 0.0
+    f[2] = (w * d - z * a - x * c + y * b) / s if free[2] else 0.0
+    point[:] = start
+    _turn(point, 0, f, 1.0)
 
 
 @njit(**_options)

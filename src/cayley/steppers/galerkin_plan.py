@@ -146,7 +146,10 @@ def advance(
     control = np.repeat(state.values[:, None, :], order, axis=1)
     momenta, memory, warm = recall(system, state)
     blocks, width = plan.mesh[5].shape[0], layout.dofs * stages * system.equations.rule.degree
-    strain_points = _points(system, "strain_point", np.repeat(plan.mesh[1][:, 0].astype(int), len(plan.rule[6])), lanes)
+    starts, lengths = plan.mesh[1][:, 0].astype(int), plan.mesh[1][:, 1]
+    strain = system.equations.rule.strain
+    along = np.outer(lengths, [0.0] if strain.between_ends else strain.at)
+    strain_points = _points(system, "strain_point", np.repeat(starts, along.shape[1]), lanes, along.reshape(-1))
     work = (
         np.zeros((system.size, order, layout.rows)),
         np.zeros((system.size, stages, layout.rows)),
@@ -159,6 +162,9 @@ def advance(
         _uniforms(system),
         control,
         _room(system, order - 1),
+        np.zeros((blocks, width), dtype=np.int64),
+        np.zeros_like(control),
+        np.zeros((blocks, width)),
     )
     counts = np.zeros(4, dtype=np.int64)
     clock = np.array([state.origin, state.h, float(state.step)])
@@ -169,8 +175,8 @@ def advance(
     return list(Outcome)[code], reached, counts, memory
 
 
-def _points(system: System, name: str, nodes: np.ndarray, lanes: int) -> np.ndarray:
-    """Blocks for a point kernel, with coordinates and varying constants of the nodes filled in."""
+def _points(system: System, name: str, nodes: np.ndarray, lanes: int, along: Any = 0.0) -> np.ndarray:
+    """Blocks for a point kernel, with coordinates and varying constants filled in; points are ``along`` from nodes."""
     equations, rows = system.equations, system.layout.rows
     if len(nodes) == 0:
         return np.zeros((0, 1, lanes))
@@ -180,9 +186,10 @@ def _points(system: System, name: str, nodes: np.ndarray, lanes: int) -> np.ndar
     known = dict(zip(equations.uniforms, system.uniforms, strict=True))
     inverse = system.named.get("inverse", np.full(system.size, known.get("inverse", 1.0)))
     varying = [system.named[n] for n in equations.density.names if n in equations.varying]
-    inputs = [system.named.get("here", np.zeros(system.size)), inverse, *varying]
+    here = system.named.get("here", np.zeros(system.size))[nodes] + along
+    inputs = [here, *(values[nodes] for values in (inverse, *varying))]
     for row, values in enumerate(inputs):
-        flat = np.resize(values[nodes], data.shape[0] * lanes)
+        flat = np.resize(values, data.shape[0] * lanes)
         data[:, 2 * rows + row] = flat.reshape(-1, lanes)
     for name_of_rotation in system.layout.rotations:  # padding: a rotation that is one
         data[:, system.layout.rows_of(name_of_rotation).start] = 1.0

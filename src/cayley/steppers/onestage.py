@@ -26,6 +26,8 @@ from cayley.steppers.galerkin import (
     SMALLEST_PART,
     STEP_TOLERANCE,
     WILD_GROWTH,
+    hand_turned,
+    hold_turn,
 )
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
@@ -67,6 +69,7 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
                 part *= 0.5
                 _swap(data, at[0], accepted, nodes, False)
                 _move(data, at[0], taken, fields, part)
+                _hold(data, at[0], fields, free)
                 continue
             if not math.isfinite(size) or (not careful and size > WILD_GROWTH * last):
                 return iteration + 1, worst, False
@@ -74,6 +77,7 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
             taken[:] = right
             part = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
             _move(data, at[0], taken, fields, part)
+            _hold(data, at[0], fields, free)
             if size <= STEP_TOLERANCE or (size <= FLOOR and size > 0.3 * last):
                 call_kernel(call[0], data.ctypes.data, uniforms.ctypes.data, 1, data.shape[0] - 1)
                 _load(data, at, fields, loads, number, uniforms[0], push)
@@ -98,6 +102,7 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
                 solved = False
                 for attempt in range(3):  # then with care, then with care from the safest start, the state itself
                     _start(data, rows, memory, fields, nodes, attempt < 2 and (warm or number > 0))
+                    _hold(data, rows, fields, free)
                     passes, worst, solved = newton(
                         call, data, at, uniforms, fields, free, mesh, momenta, loads, number, work, attempt > 0
                     )
@@ -108,13 +113,12 @@ def driver(dofs: int) -> Callable[..., tuple[int, int]]:
                 counts[2], counts[3] = number, worst
                 if not solved:
                     return NOT_CONVERGED, save
+                _hand_on(data, at, fields, free, momenta, push)
                 for a in range(nodes):
                     block, lane = 1 + a // lanes, a % lanes
                     for row in range(rows):
                         memory[a, 0, row] = data[block, row, lane]
                         data[block, row, lane] = data[block, rows + row, lane]
-                    for d in range(dofs):
-                        momenta[a, d] = data[block, at[2] + d, lane] + push[a, dofs + d] if free[a, d] else 0.0
             check = 0.0
             for a in range(nodes):
                 block, lane = 1 + a // lanes, a % lanes
@@ -160,6 +164,51 @@ def _start(data, rows, memory, fields, nodes, onward):  # type: ignore[no-untype
                     size += data[block, rows + fields[f, 1] + k, lane] ** 2
                 for k in range(4):
                     data[block, rows + fields[f, 1] + k, lane] /= math.sqrt(size)
+
+
+@njit(**_options)
+def _hold(data, rows, fields, free):  # type: ignore[no-untyped-def]
+    """Held components at the end of the step are those at its start; see galerkin._hold."""
+    lanes = data.shape[2]
+    start, point = np.empty(4), np.empty(4)
+    for a in range(free.shape[0]):
+        block, lane = 1 + a // lanes, a % lanes
+        for f in range(fields.shape[0]):
+            row, dof = fields[f, 1], fields[f, 2]
+            if not fields[f, 0]:
+                for k in range(fields[f, 3]):
+                    if not free[a, dof + k]:
+                        data[block, rows + row + k, lane] = data[block, row + k, lane]
+            elif not (free[a, dof] and free[a, dof + 1] and free[a, dof + 2]):
+                for k in range(4):
+                    start[k], point[k] = data[block, row + k, lane], data[block, rows + row + k, lane]
+                hold_turn(start, point, free[a, dof : dof + 3])
+                for k in range(4):
+                    data[block, rows + row + k, lane] = point[k]
+
+
+@njit(**_options)
+def _hand_on(data, at, fields, free, momenta, push):  # type: ignore[no-untyped-def]
+    """Momenta at the end of the step, and what its equations leave unsolved; see galerkin._hand_on."""
+    rows, lanes, dofs = at[0], data.shape[2], momenta.shape[1]
+    unsolved, before, after = np.empty(dofs), np.empty(4), np.empty(4)
+    for a in range(momenta.shape[0]):
+        block, lane = 1 + a // lanes, a % lanes
+        for d in range(dofs):
+            unsolved[d] = -(momenta[a, d] + data[block, at[1] + d, lane] + push[a, d]) if free[a, d] else 0.0
+            momenta[a, d] = data[block, at[2] + d, lane] + push[a, dofs + d]
+        for f in range(fields.shape[0]):
+            row, dof = fields[f, 1], fields[f, 2]
+            if fields[f, 0]:
+                for k in range(4):
+                    before[k], after[k] = data[block, row + k, lane], data[block, rows + row + k, lane]
+                hand_turned(before, after, 0, unsolved[dof : dof + 3], momenta[a, dof:])
+            else:
+                for k in range(fields[f, 3]):
+                    momenta[a, dof + k] -= unsolved[dof + k]
+        for d in range(dofs):
+            if not free[a, d]:
+                momenta[a, d] = 0.0
 
 
 @njit(**_options)

@@ -141,7 +141,9 @@ def test_strain_of_corners_is_that_of_two_ends(name):
         else:
             slope[f"{field}_{along}"] = INVERSE * (b - a)
         ends[0][field], ends[1][field] = a, b
-    expected = np.mean([strain_of(term, end | slope | {"t": TIME, along: HERE}) for end in ends])
+    places = HERE, HERE + 1.0 / INVERSE
+    found = [strain_of(term, end | slope | {"t": TIME, along: s}) for end, s in zip(ends, places, strict=True)]
+    expected = np.mean(found)
     assert_allclose(term(z)[0], expected, rtol=1e-12)
 
 
