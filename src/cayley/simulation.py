@@ -204,8 +204,7 @@ def _check_accuracy(accuracy: Any, dt: float | None) -> None:
 def _candidates(rule: Rule | None, rotation: str, model: Model) -> tuple[Rule, ...]:
     if rule is not None:
         return (rule,)
-    explicit_only = rotation != "quaternion" or any(rod.kinematics != "shearable" for rod in model.rods)
-    return CANDIDATES[:1] if explicit_only else CANDIDATES  # the implicit ones have no matrix form and no constraints
+    return CANDIDATES[:1] if rotation != "quaternion" else CANDIDATES  # the implicit ones have no matrix form
 
 
 def _task(

@@ -58,14 +58,14 @@ class Track:
 
 def stepper_of(system: System) -> ModuleType:
     """The module that steps a system; those that need Numba are slow to import."""
-    if system.equations.density.constraints.numel():
-        from cayley.steppers import constrained_run
-
-        return constrained_run
     if system.equations.rule.implicit:
         from cayley.steppers import implicit_run
 
         return implicit_run
+    if system.equations.density.constraints.numel():
+        from cayley.steppers import constrained_run
+
+        return constrained_run
     return decoupled_run
 
 

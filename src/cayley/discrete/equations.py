@@ -11,7 +11,7 @@ from cayley.density import Density
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.element import element_energy, element_forces, element_points
-from cayley.discrete.embedded import point_program
+from cayley.discrete.embedded import constraint_program, point_program
 from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import Inertia, corner_inertia, node_load, node_point
@@ -82,6 +82,8 @@ class DiscreteEquations:
                 self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
             elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
                 self._derived[name] = constrained_program(_Writer(self), name)
+            elif name == "constraint_point":
+                self._derived[name] = constraint_program(self.density, self.layout, self.rule.strain, varying)
             elif name.endswith("_point"):
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
@@ -109,6 +111,9 @@ class DiscreteEquations:
         """One line on that structure."""
         if self.rule.implicit:
             width = self.layout.dofs * len(self.rule.time.at) * self.rule.degree
+            more = self.density.constraints.numel() * len(self.rule.time.at) * self.rule.degree
+            if more:
+                return f"coupled nodes; banded, {width} unknowns and {more} multipliers an element, by Newton"
             return f"coupled nodes; block tridiagonal, {width} unknowns a block, by Newton"
         words = []
         for block in self.blocks:
@@ -157,10 +162,10 @@ def derive(
         )
     if rule.implicit and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but the rule {rule} is there for quaternions only, yet")
-    if density.constraints.numel() and (rule.implicit or rule.strain.corners):
+    if density.constraints.numel() and (rule.strain.corners or rule.degree > 1):
         raise ValueError(
             f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
-            f"use the explicit rules verlet or screw"
+            f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
         )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")

@@ -43,7 +43,10 @@ def make_plan(system: System) -> Plan:
     rows, lanes = system.equations.rows, system.kernels.lanes
     node, dof = np.nonzero(~system.free)
     held = "_held" if len(node) else ""
-    found = [system.kernels[name if name in ("kick", "violation") else name + held] for name in KERNELS]
+    names = [name if name in ("kick", "violation") else name + held for name in KERNELS]
+    if system.equations.rule.implicit:
+        names[:2] = names[3:4] * 2  # that neither kicks nor drifts
+    found = [system.kernels[name] for name in names]
     uniforms = np.zeros((len(found), max(kernel.width for kernel in found)))
     uniforms[:, : len(system.uniforms)] = system.uniforms
     first = [rows.values.start, system.layout.rows, rows.momenta.start, system.layout.dofs]
