@@ -68,9 +68,7 @@ def point_program(
     )
 
 
-def constraint_program(
-    density: Density, layout: Layout, points: Points, varying: tuple[str, ...]
-) -> Program:
+def constraint_program(density: Density, layout: Layout, points: Points, varying: tuple[str, ...]) -> Program:
     """The constraints g at one strain point, their derivatives, and the Hessian of λ·g.
 
     Args:

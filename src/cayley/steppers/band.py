@@ -1,6 +1,5 @@
 """LU factorization of banded matrices with row pivots."""
 
-import numpy as np
 from numba import njit
 
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}

@@ -1,4 +1,4 @@
-"""What the driver of constrained implicit rules works on: that of Galerkin rules, the multipliers and a banded matrix."""
+"""What the driver of constrained implicit rules works on: that of Galerkin rules, multipliers, a banded matrix."""
 
 from dataclasses import dataclass
 
@@ -70,7 +70,8 @@ def advance(
     elements, strain = base.mesh[1], system.equations.rule.strain
     gauss, width = base.rule[4].shape
     along = np.outer(elements[:, 1], [0.0] if strain.between_ends else strain.at)
-    points = points_of(system, "constraint_point", np.repeat(elements[:, 0].astype(int), gauss), lanes, along.reshape(-1))
+    owners = np.repeat(elements[:, 0].astype(int), gauss)
+    points = points_of(system, "constraint_point", owners, lanes, along.reshape(-1))
     size = int(base.mesh[5].sum()) + len(elements) * (order - 1) * gauss * count
     saddle = (
         np.zeros((len(elements), order - 1, gauss * count)),

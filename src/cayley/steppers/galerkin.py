@@ -48,7 +48,7 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
     Returns: (outcome, number of the save); counts holds iterations in all, most in a step, failed step and node.
     """
     control, momenta, memory = state
-    fields, free = mesh[3], mesh[4]
+    fields = mesh[3]
     nodes, last = control.shape[0], control.shape[1] - 1
     rows = control.shape[2]
     for save in range(frames.shape[0]):
