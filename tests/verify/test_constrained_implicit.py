@@ -1,4 +1,4 @@
-"""Constrained rods under implicit rules: constraints, momenta, order, explicit limit, stiff wires, supports, restart."""
+"""Constrained rods under implicit rules: constraints, momenta, order, small steps, wires, supports, restart."""
 
 import numpy as np
 import pytest

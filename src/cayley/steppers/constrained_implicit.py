@@ -8,7 +8,8 @@ With D_i L_d of steppers.galerkin and the multipliers λ_i at the control times 
 multipliers λ_0 of the next step take up the difference. Unknowns stand along the chain, those of an element's
 multipliers between its nodes: the matrix is banded, and row pivots need no special case for supports.
 
-Source: Wenger, Ober-Blöbaum, Leyendecker (2017), Adv. Comput. Math. 43; projection: steppers.constrained.
+Source: Wenger, Ober-Blöbaum, Leyendecker (2017), Construction and analysis of higher order variational integrators for
+dynamical systems with holonomic constraints; projection: steppers.constrained.
 """
 
 import math
@@ -23,7 +24,9 @@ from cayley.steppers.galerkin import (
     ITERATIONS,
     LARGEST_GROWTH,
     LARGEST_TURN,
+    LEFT_TOLERANCE,
     QUICK_ITERATIONS,
+    SLOW,
     SMALLEST_PART,
     STEP_TOLERANCE,
     WILD_GROWTH,
@@ -144,12 +147,13 @@ def _newton(  # type: ignore[no-untyped-def]
     multipliers, change = saddle[0], saddle[1]
     held, moved = multipliers.copy(), np.zeros_like(multipliers)
     accepted[:] = control
-    last, part, worst = math.inf, 1.0, 0
+    last, part, worst, fresh = math.inf, 1.0, 0, True
     for iteration in range(ITERATIONS if careful else QUICK_ITERATIONS):
-        _assemble(calls, rule, mesh, work, state, loads, number, begin, h, True)
-        _constrain(calls, rule, mesh, work, saddle, begin, h, True, iteration == 0)
-        if _solve(mesh, rule, work, saddle, h) >= 0:
+        _assemble(calls, rule, mesh, work, state, loads, number, begin, h, fresh)
+        _constrain(calls, rule, mesh, work, saddle, begin, h, fresh, iteration == 0)
+        if fresh and _factorize(mesh, rule, work, saddle, h) >= 0:
             return iteration + 1, worst, False
+        _solve(mesh, work, saddle)
         size, turn, worst = _measure(mesh, right, control)
         if careful and not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
             part *= 0.5
@@ -166,10 +170,13 @@ def _newton(  # type: ignore[no-untyped-def]
         multipliers[:] = held + part * moved
         _move(mesh, taken, control, part)
         _hold(mesh, control)
-        if size <= STEP_TOLERANCE or (size <= FLOOR and size > 0.3 * last):
+        rate = size / last  # 0 at first
+        settled = size <= STEP_TOLERANCE or (size <= FLOOR and rate > 0.3)
+        if (fresh and settled) or (0.0 < rate < SLOW and size * rate <= LEFT_TOLERANCE):
             _assemble(calls, rule, mesh, work, state, loads, number, begin, h, False)  # what is left, and momenta
             _constrain(calls, rule, mesh, work, saddle, begin, h, False, False)
             return iteration + 1, worst, True
+        fresh = careful or rate > SLOW
         last = size
     return ITERATIONS, worst, False
 
@@ -275,22 +282,18 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
 
 
 @njit(**_options)
-def _solve(mesh, rule, work, saddle, h):  # type: ignore[no-untyped-def]
-    """Corrections of the control nodes, in place of the right-hand side, and of the multipliers; row found singular."""
-    diagonal, upper, lower, right = work[2], work[3], work[4], work[5]
-    change, gradients, violation = saddle[1], saddle[3], saddle[4]
-    starts, between, band, low, pivots, scales, unknown = (
-        saddle[6], saddle[7], saddle[8], saddle[9], saddle[10], saddle[11], saddle[12],
-    )  # fmt: skip
+def _factorize(mesh, rule, work, saddle, h):  # type: ignore[no-untyped-def]
+    """LU of the tangent, its blocks along the chain and the gradients between them; returns the row found singular."""
+    diagonal, upper, lower, gradients = work[2], work[3], work[4], saddle[3]
+    starts, between, band, low, pivots, scales = saddle[6], saddle[7], saddle[8], saddle[9], saddle[10], saddle[11]
     elements, places, free, active = mesh[1], mesh[2], mesh[4], mesh[5]
     heavy, reach = rule[6], low.shape[1]
-    blocks, dofs, order = diagonal.shape[0], free.shape[1], violation.shape[0]
-    gauss, count, width = violation.shape[2], violation.shape[3], gradients.shape[3]
+    blocks, dofs, order = diagonal.shape[0], free.shape[1], gradients.shape[0]
+    gauss, width, count = gradients.shape[2], gradients.shape[3], gradients.shape[4]
     band[:], low[:] = 0.0, 0.0
     for b in range(blocks):
         for i in range(active[b]):
             row = starts[b] + i
-            unknown[row] = right[b, i]
             for j in range(active[b]):
                 band[row, starts[b] + j - row + reach] = diagonal[b, i, j]
             if b + 1 < blocks:
@@ -303,26 +306,37 @@ def _solve(mesh, rule, work, saddle, h):  # type: ignore[no-untyped-def]
         start, length = int(elements[e, 0]), elements[e, 1]
         for i in range(order - 1):
             for g in range(gauss):
+                w = h * length * heavy[g]
                 for c in range(count):
                     own = between[e] + (i * gauss + g) * count + c
-                    unknown[own] = -violation[i + 1, e, g, c]
                     for a in range(width):
                         node = start + a
                         at = starts[places[node, 0]] + places[node, 1] + i * dofs
                         for d in range(dofs):
                             if free[node, d]:
                                 band[own, at + d - own + reach] = gradients[i + 1, e, g, a, c, d]
-                                w = h * length * heavy[g]
                                 band[at + d, own - at - d + reach] = w * gradients[i, e, g, a, c, d]
-    found = factorize_band(band, reach, low, pivots, scales)
-    if found >= 0:
-        return found
-    solve_band(band, reach, low, pivots, scales, unknown)
-    for b in range(blocks):
+    return factorize_band(band, reach, low, pivots, scales)
+
+
+@njit(**_options)
+def _solve(mesh, work, saddle):  # type: ignore[no-untyped-def]
+    """Corrections of the control nodes, in place of the right-hand side, and of the multipliers."""
+    right, change, violation, starts, between = work[5], saddle[1], saddle[4], saddle[6], saddle[7]
+    low, unknown, active = saddle[9], saddle[12], mesh[5]
+    _, elements, gauss, count = violation.shape
+    for b in range(right.shape[0]):
+        for i in range(active[b]):
+            unknown[starts[b] + i] = right[b, i]
+    for e in range(elements):
+        for i in range(change.shape[1]):
+            for k in range(gauss * count):
+                unknown[between[e] + i * gauss * count + k] = -violation[i + 1, e, k // count, k % count]
+    solve_band(saddle[8], low.shape[1], low, saddle[10], saddle[11], unknown)
+    for b in range(right.shape[0]):
         for i in range(active[b]):
             right[b, i] = unknown[starts[b] + i]
-    for e in range(elements.shape[0]):
-        for i in range(order - 1):
+    for e in range(elements):
+        for i in range(change.shape[1]):
             for k in range(gauss * count):
                 change[e, i, k] = unknown[between[e] + i * gauss * count + k]
-    return -1
