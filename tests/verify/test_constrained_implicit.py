@@ -63,7 +63,7 @@ def orders(rule: rules.Rule, kinematics: str, steps: tuple[float, ...], fine: fl
 @pytest.mark.parametrize("rule", RULES[:2], ids=str)
 def test_order_two(kinematics, rule):
     """Second order where the bending waves are resolved."""
-    assert_allclose(orders(rule, kinematics, (8e-4, 4e-4, 2e-4), 2.5e-5), 2.0, atol=0.2)
+    assert_allclose(orders(rule, kinematics, (8e-4, 4e-4, 2e-4, 1e-4), 2.5e-5), 2.0, atol=0.2)
 
 
 @pytest.mark.parametrize("kinematics", KINDS)
@@ -167,6 +167,16 @@ def test_accuracy():
     run = cy.simulate(wire(40), 2.0, accuracy=1e-2)
     assert run.rule == "midpoint"
     assert run.error_estimate < 1e-2
+
+
+def test_tension():
+    """Under screw_midpoint the tension of a thin wire bounds the step by the radius, h < √3 r √(ρA/N); a run stops."""
+    limit = np.sqrt(3.0) * 1e-3 * np.sqrt(np.pi * 1e-6 * 7850.0 / (3 * 9.81 * np.pi * 1e-6 * 7850.0))
+    run = cy.simulate(wire(), 0.6, 0.9 * limit, rule=rules.screw_midpoint, save_every=0.05)
+    assert np.ptp(run.energy.values) < 1e-3 * run.kinetic_energy.values.max()
+    for factor in (2.0, 8.0, 31.0):
+        with pytest.raises(cy.SimulationError, match="take midpoint"):
+            cy.simulate(wire(), 0.6, factor * limit, rule=rules.screw_midpoint, save_every=0.05)
 
 
 def test_refusals():

@@ -44,7 +44,7 @@ from cayley.steppers.galerkin import (
     _turn_correction,
 )
 
-FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT = 0, 1, 2, 3
+FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE = 0, 1, 2, 3, 4
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
@@ -100,6 +100,10 @@ def advance(  # type: ignore[no-untyped-def]
                 for i in range(last):
                     memory[a, i, rows:] = multipliers[e, i]
             control[:, 0] = control[:, last]
+            if not mesh[6] and number > 0:  # screw strains; the first multipliers also take up a blow
+                counts[3] = _overstrained(mesh, work, saddle, clock[1])
+                if counts[3] >= 0:
+                    return TENSE, save
         found = _project(frame, control, momenta)
         if found >= 0:
             counts[3] = found
@@ -212,7 +216,7 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
                     data[block, row, lane] = value
                     data[block, rows + row, lane] = slope
                 for c in range(count):
-                    data[block, given + c, lane] = multipliers[e, i, g * count + c] if i < order - 1 else 0.0
+                    data[block, given + c, lane] = multipliers[e, min(i, order - 2), g * count + c]
         _call(calls, work[8], 2, data, begin + rule[8][i] * h)
         for e in range(elements.shape[0]):
             start, inverse = int(elements[e, 0]), elements[e, 2] if scaled else 1.0
@@ -279,6 +283,39 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
                 if not free[a, d]:
                     diagonal[block, row + d], work[3][block, row + d], work[4][block, row + d] = 0.0, 0.0, 0.0
                     diagonal[block, row + d, row + d] = 1.0
+
+
+@njit(**_options)
+def _overstrained(mesh, work, saddle, h):  # type: ignore[no-untyped-def]
+    """First node of an element whose multipliers make rotations that alternate from node to node unstable, or −1.
+
+    The screw strain of an element depends on such rotations, and forces of multipliers act as explicit ones do: they
+    need h² K/4 < M with K = −λ·∂²g along (η, −η) and M the inertia, both by axis and per length.
+    """
+    control, data, inertia, elements, fields = work[9], saddle[2][1], work[6], mesh[1], mesh[3]
+    half, moved, full, _, _, index = work[10]
+    rows, dofs, lanes = control.shape[2], mesh[4].shape[1], data.shape[2]
+    upper = data.shape[1] - rows * (2 * rows + 1)
+    first = inertia.shape[1] - rows * (2 * rows + 1)
+    stiffness, mass = np.zeros((dofs, dofs)), np.zeros((dofs, dofs))
+    for e in range(elements.shape[0]):
+        node = int(elements[e, 0])
+        stiffness[:], mass[:] = 0.0, 0.0
+        for a in range(2):
+            for b in range(2):
+                sign = 1.0 if a == b else -1.0
+                s11, s12 = sign * (1 - a) * (1 - b), sign * (1 - a) * b
+                s21, s22 = sign * a * (1 - b), sign * a * b
+                _combine(data, e // lanes, e % lanes, upper, index, s11, s12, s21, s22, full)
+                left, right = control[node + a, 0], control[node + b, 0]
+                _add_trivialized(full, left, right, fields, stiffness, 0, 0, half, moved)
+        _combine(inertia, node // lanes, node % lanes, first, index, 0.0, 0.0, 0.0, 1.0, full)
+        _add_trivialized(full, control[node, 0], control[node, 0], fields, mass, 0, 0, half, moved)
+        for f in range(fields.shape[0]):
+            for d in range(fields[f, 2], fields[f, 2] + 3 if fields[f, 0] else fields[f, 2]):
+                if -0.25 * h * h * stiffness[d, d] > mass[d, d]:
+                    return node
+    return -1
 
 
 @njit(**_options)

@@ -16,6 +16,10 @@ class Outcome(enum.Enum):
         "a constraint says there what others and the supports say already "
         "(a straight rod without stretch, held at both ends?)"
     )
+    TENSE = (
+        "multipliers are too large there for steps of the rule screw_midpoint this long, which tend to be unstable; "
+        "take midpoint"
+    )
 
 
 @dataclass(frozen=True, slots=True)
