@@ -28,6 +28,8 @@ SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
 CANDIDATES = (rules.verlet, rules.midpoint, rules.galerkin(time=2), rules.galerkin(time=3))
 """Rules among which an accuracy chooses; all have the same nodes."""
+START_TOLERANCE = 1e-8
+"""Largest violation of a constraint at the start; the first step removes it."""
 ATTEMPTS = 4
 """How often a rule and step are chosen, when runs stop that their trials promised."""
 
@@ -163,7 +165,7 @@ def integrate(
         state = _fitting(system, start)
     else:
         values, velocity = _start(system, start)
-        state = initial_state(system, values, velocity, time=t_start)
+        state = _consistent(system, initial_state(system, values, velocity, time=t_start))
 
     def run(rule: Rule, dt: float | None) -> Trajectory:
         return _run(system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress)
@@ -186,7 +188,8 @@ def _beginning(
         values, velocity, momenta = initial_values(model, system, initial or {})
         state = initial_state(system, values, velocity)
         given = np.isfinite(momenta) & system.free
-        return system, replace(state, momenta=np.where(given, momenta, state.momenta))
+        state = replace(state, momenta=np.where(given, momenta, state.momenta))
+        return system, _consistent(system, state, check_rates=not given.any())
 
     return begin
 
@@ -221,6 +224,7 @@ def _task(
         save_every=_spacing(save_every, span),
         accuracy=accuracy,
         loads=seconds_of_loads(system),
+        constrained=system.equations.density.constraints.numel() > 0,
         busy_after=max((start for start in starts if start < t_end), default=0.0),
     )
 
@@ -273,7 +277,7 @@ def _run(
     plan = schedule(span, step, save_every)
     state = state.at_step(plan.h)
     begin, received = state, [_Block.of(system, state)]
-    stepper = stepper_of(system.equations.rule)
+    stepper = stepper_of(system)
 
     def receive(stride: int, values: np.ndarray, momenta: np.ndarray) -> None:
         numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))
@@ -347,6 +351,8 @@ def _explain(system: System, result: Result, trajectory: Trajectory) -> str:
             if nodes.start <= result.node < nodes.stop:
                 node, place = f" of {name}", result.node - nodes.start
         node = f" at node {place}{node}"
+    if result.outcome is Outcome.REDUNDANT:
+        return f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; hold less"
     limit = system.stable_dt(result.state) if np.isfinite(result.state.values).all() else math.nan
     remedy = (
         f"give dt below {0.5 * h:.3g} s"
@@ -365,6 +371,38 @@ def _history(result: Result) -> str:
         return ""
     told = [f"{size:.1e} ({residual:.1e})" for size, residual in result.history if math.isfinite(residual)]
     return f" (relative corrections and residuals in N s or N m s at last: {', '.join(told)})" if told else ""
+
+
+def _consistent(system: System, state: State, *, check_rates: bool = True) -> State:
+    """A start that agrees with the constraints of the density, its momenta projected.
+
+    Raises:
+        ValueError: if positions violate a constraint, velocities do, or a constraint is redundant.
+    """
+    if not system.equations.density.constraints.numel():
+        return state
+    from cayley.steppers.constrained_run import projected, violation
+
+    found = np.abs(violation(system, state.values)).max(axis=1)
+    worst = int(np.argmax(found))
+    where = f"the start violates the constraint of {_name(system)} in the element at s = {system.nodes[worst]:.6g} m"
+    if not found[worst] <= START_TOLERANCE:
+        raise ValueError(f"{where} by {found[worst]:.3g}; give positions and rotations for which it is zero")
+    momenta, node = projected(system, state)
+    if node >= 0:
+        raise ValueError(
+            f"at node {node} of the model: {Outcome.REDUNDANT.value}; hold less or give another kinematics"
+        )
+    change = np.abs(momenta - state.momenta).max(axis=0)
+    scale = np.abs(state.momenta).max(axis=0)
+    if check_rates and np.any(change > 1e-6 * scale.max(initial=0.0)):
+        worst = int(np.argmax(np.abs(momenta - state.momenta).max(axis=1)))
+        raise ValueError(
+            f"the velocities at the start violate the constraint of {_name(system)}, most at node {worst}; give "
+            f"velocities that keep it, such as v = v0 + w x r with the angular velocity w, or momenta, which are "
+            f"projected"
+        )
+    return replace(state, momenta=momenta)
 
 
 def _fitting(system: System, state: State) -> State:

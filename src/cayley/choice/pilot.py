@@ -6,7 +6,6 @@ from types import ModuleType
 
 import numpy as np
 
-from cayley.discrete.rules import Rule
 from cayley.steppers import decoupled_run
 from cayley.steppers.outcome import Outcome
 from cayley.system.system import State, System
@@ -57,12 +56,16 @@ class Track:
         return float(max(_apart(self.places, start.places).max() / self.extent, _apart(self.turns, start.turns).max()))
 
 
-def stepper_of(rule: Rule) -> ModuleType:
-    """The module that steps systems of a rule; that of the implicit ones needs Numba, which is slow to import."""
-    if rule.implicit:
+def stepper_of(system: System) -> ModuleType:
+    """The module that steps a system; those that need Numba are slow to import."""
+    if system.equations.rule.implicit:
         from cayley.steppers import implicit_run
 
         return implicit_run
+    if system.equations.density.constraints.numel():
+        from cayley.steppers import constrained_run
+
+        return constrained_run
     return decoupled_run
 
 
@@ -90,7 +93,7 @@ def follow(system: System, state: State, spacing: float, frames: int, h: float) 
     def receive(values: np.ndarray, momenta: np.ndarray) -> None:
         received.append(values)
 
-    result = stepper_of(system.equations.rule).run(system, start, stride=stride, saves=frames, receive=receive)
+    result = stepper_of(system).run(system, start, stride=stride, saves=frames, receive=receive)
     if result.outcome is not Outcome.FINISHED:
         return None
     values, layout = np.concatenate(received), system.layout

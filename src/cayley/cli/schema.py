@@ -102,6 +102,9 @@ class RodTable(Table):
     origin: Vector = _vector("m", [0.0, 0.0, 0.0])
     direction: Vector = _vector("-", [0.0, 0.0, 1.0])
     normal: Vector | None = _vector("-", None)
+    kinematics: Literal["shearable", "unshearable", "inextensible"] = Field(
+        "shearable", description='"shearable", "unshearable" or "inextensible"'
+    )
 
 
 class PinTable(Table):

@@ -18,6 +18,7 @@ class Lagrangian:
         interval: name of the interval's coordinate, or None for a system without one.
         name: name used in messages and listings.
         pose: a rotation and a vector of size 3 that together are the pose of a frame, for the screw rules; or None.
+        constraint: function (q, c) -> g(q, q′, s), zero at the strain points of every element; or None.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), section 4.
     """
@@ -27,6 +28,7 @@ class Lagrangian:
     interval: str | None
     name: str
     pose: tuple[str, str] | None = None
+    constraint: Callable[[Any, Any], Any] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -45,7 +47,10 @@ class Lagrangian:
 
 
 def lagrangian(
-    *, pose: tuple[str, str] | None = None, **fields: Any
+    *,
+    pose: tuple[str, str] | None = None,
+    constraint: Callable[[Any, Any], Any] | None = None,
+    **fields: Any,
 ) -> Callable[[Callable[[Any, Any], Any]], Lagrangian]:
     """Declare the fields of a Lagrangian written as a function of q and c.
 
@@ -54,6 +59,8 @@ def lagrangian(
 
     Args:
         pose: names of a rotation and of a vector of size 3 that together are a frame's pose; the screw rules need it.
+        constraint: function (q, c) of fields and their derivatives along the interval, a number or a vector, kept zero
+            at the strain points of every element by Lagrange multipliers; just for a density on an interval.
         fields: name=cy.Rotation(), name=cy.Vector(n), and at most one name=cy.Interval.
 
     Returns: a decorator that makes a Lagrangian of the function.
@@ -82,10 +89,13 @@ def lagrangian(
     if pose is not None and not _is_pose(pose, declared):
         raise TypeError(f"lagrangian: pose is {pose!r}; give the names of a rotation and of a vector of size 3")
 
+    if constraint is not None and interval is None:
+        raise TypeError("lagrangian: a constraint needs an interval, on whose elements it holds; declare s=cy.Interval")
+
     def decorate(function: Callable[[Any, Any], Any]) -> Lagrangian:
         if not callable(function) or len(inspect.signature(function).parameters) != 2:
             raise TypeError(f"lagrangian: {function!r} must be a function of (q, c)")
-        made = Lagrangian(function, declared, interval, getattr(function, "__name__", "L"), pose)
+        made = Lagrangian(function, declared, interval, getattr(function, "__name__", "L"), pose, constraint)
         twice = sorted(n for n in set(made.names) if made.names.count(n) > 1)
         if twice:
             raise TypeError(f"lagrangian {made.name}: the name {twice[0]} has two meanings; rename a field")

@@ -32,6 +32,7 @@ class Density:
         values: their numbers, shape (len(parameters),).
         names: their names, for listings.
         terms: the additive terms of T, W and U, each a factor and an expression.
+        constraints: g, a column; empty where nothing is constrained.
     """
 
     lagrangian: Lagrangian
@@ -42,6 +43,7 @@ class Density:
     values: np.ndarray
     names: tuple[str, ...]
     terms: Mapping[str, tuple[tuple[float, ca.SX], ...]]
+    constraints: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     _cache: dict = field(default_factory=dict, repr=False)
 
     def gradient(self, part: str, point: Mapping[str, Any], *, only: str = "all") -> dict[str, Expression]:
@@ -71,6 +73,10 @@ class Density:
         """Value of T, W or U [J or J/m] at a point (see gradient)."""
         return ca.substitute([self._total(part)], [self._inputs()], [self._at(point)])[0]
 
+    def constraint(self, point: Mapping[str, Any]) -> ca.SX:
+        """The constraints g at a point (see gradient), a column."""
+        return ca.substitute([self.constraints], [self._inputs()], [self._at(point)])[0]
+
     def depends(self, part: str, *slots: str) -> bool:
         """Tell whether a part depends on any of the slots (a rotation's own slot means its frame)."""
         total = self._total(part)
@@ -81,6 +87,7 @@ class Density:
         """Text that determines the density and the names of its constants."""
         inputs = ca.vertcat(self._inputs(), self.parameters)
         parts = [factor * term for part in PARTS for factor, term in (*self.terms[part], (1.0, ca.SX(0)))]
+        parts += ca.vertsplit(self.constraints) if self.constraints.numel() else []
         return ca.Function(self.lagrangian.name, [inputs], parts).serialize() + ",".join(self.names)
 
     @property
@@ -152,6 +159,7 @@ def trace(lagrangian: Lagrangian, constants: Mapping[str, Any]) -> Density:
     q = _Names(offered | places, f"{where}: unknown name q.{{}}")
     c = _Names(arrays, f"{where}: unknown constant c.{{}}")
     value = _call(lagrangian, q, c, where)
+    constraints = _constraints(lagrangian, q, c, slots, places)
     unused = sorted(set(arrays) - c._used)
     if unused:
         raise ValueError(f"{where}: the constant {unused[0]} is given but never used; it uses {_listed(c._used)}")
@@ -165,6 +173,7 @@ def trace(lagrangian: Lagrangian, constants: Mapping[str, Any]) -> Density:
         values=np.array([v for _, _, v in parameters]),
         names=tuple(n for n, _, _ in parameters),
         terms=terms,
+        constraints=constraints,
     )
 
 
@@ -243,6 +252,27 @@ def _call(lagrangian: Lagrangian, q: _Names, c: _Names, where: str) -> ca.SX:
     if shape not in ((), (1,)) or value is None:
         raise ValueError(f"{where} returns {'None' if value is None else f'shape {shape}'}; it must return one number")
     return ca.SX(to_sx(value))
+
+
+def _constraints(
+    lagrangian: Lagrangian, q: _Names, c: _Names, slots: Mapping[str, Expression], places: Mapping[str, Expression]
+) -> ca.SX:
+    """The constraint function on symbols, a column; it may not depend on velocities or time.
+
+    Raises:
+        ValueError: if it does, or is no number or vector.
+    """
+    if lagrangian.constraint is None:
+        return ca.SX(0, 1)
+    where = f"Lagrangian {lagrangian.name}, its constraint"
+    value = lagrangian.constraint(q, c)
+    if value is None or np.ndim(value) > 1 or np.size(value) == 0:
+        raise ValueError(f"{where} is {value!r}; it must return a number or a vector")
+    found = ca.densify(ca.vertcat(*[ca.SX(to_sx(e)) for e in np.atleast_1d(value)]))
+    for name in (*[f"{n}_t" for n in lagrangian.fields], "t"):
+        if ca.depends_on(found, to_sx(slots.get(name, places["t"]))):
+            raise ValueError(f"{where} depends on q.{name}; it may depend on fields and their slopes only")
+    return found
 
 
 def _constants(constants: Mapping[str, Any], where: str) -> tuple[list[tuple[str, ca.SX, float]], dict[str, Any]]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from cayley.density import Density
 from cayley.density.expression import Expression, dot, symbols, to_sx, wrap
+from cayley.discrete.constraint import element_constraints
 from cayley.discrete.element import element_energy
 from cayley.discrete.layout import Layout
 from cayley.discrete.program import Program
@@ -59,6 +60,44 @@ def point_program(
     outputs = [value, *ca.vertsplit(ca.densify(gradient)), *upper]
     return Program(
         name=name,
+        uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
+        lanes=tuple((s, i, 0) for i, s in enumerate(inputs)),
+        steps=(),
+        stores=tuple((len(inputs) + i, v) for i, v in enumerate(outputs)),
+        rows=len(inputs) + len(outputs),
+    )
+
+
+def constraint_program(density: Density, layout: Layout, points: Points, varying: tuple[str, ...]) -> Program:
+    """The constraints g at one strain point, their derivatives, and the Hessian of λ·g.
+
+    Args:
+        density: the density.
+        layout: rows of a node, rotations as quaternions.
+        points: where the constraints stand.
+        varying: names of constants that differ from point to point.
+
+    Returns: a program on rows (z, z′, here, inverse, varying ..., λ) -> (g, ∂g by rows, upper triangle of λ·∂²g).
+    """
+    z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
+    along = density.lagrangian.interval
+    here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
+    if points.between_ends:
+        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here)}
+        g = element_constraints(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
+    else:
+        g = density.constraint(embedded_point(layout, z, slope, str(along)) | {"t": wrap(t), str(along): wrap(here)})
+    multiplier = ca.SX.sym("lambda", g.numel())
+    unknown = ca.vertcat(to_sx(z), to_sx(slope))
+    hessian = ca.densify(ca.jacobian(ca.gradient(ca.dot(multiplier, g), unknown), unknown))
+    size = 2 * layout.rows
+    upper = [hessian[i, k] for i in range(size) for k in range(i, size)]
+    constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
+    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying), *ca.vertsplit(multiplier)]
+    derivative = ca.vertsplit(ca.vec(ca.densify(ca.jacobian(g, unknown)).T))
+    outputs = [*ca.vertsplit(ca.densify(g)), *derivative, *upper]
+    return Program(
+        name="constraint_point",
         uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
         lanes=tuple((s, i, 0) for i, s in enumerate(inputs)),
         steps=(),

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cayley.density import Density
-from cayley.discrete.embedded import point_program
+from cayley.discrete.constraint import constrained_program, constrained_rows
+from cayley.discrete.embedded import constraint_program, point_program
 from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.program import Program
@@ -47,6 +48,10 @@ class DiscreteEquations:
             varying = tuple(n for n in self.density.names if n in self.varying)
             if name == "fused":
                 self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
+            elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
+                self._derived[name] = constrained_program(Writer(self), name)
+            elif name == "constraint_point":
+                self._derived[name] = constraint_program(self.density, self.layout, self.rule.strain, varying)
             elif name.endswith("_point"):
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
@@ -57,7 +62,7 @@ class DiscreteEquations:
     def main_program(self) -> str:
         """Name of the program that does most of the work of a step."""
         if not self.rule.implicit:
-            return "step"
+            return "drift" if self.density.constraints.numel() else "step"
         if self.rule.one_stage:
             return "fused"
         return "strain_point" if self.density.lagrangian.interval else "inertia_point"
@@ -74,12 +79,17 @@ class DiscreteEquations:
         """One line on that structure."""
         if self.rule.implicit:
             width = self.layout.dofs * len(self.rule.time.at) * self.rule.degree
+            more = self.density.constraints.numel() * len(self.rule.time.at) * self.rule.degree
+            if more:
+                return f"coupled nodes; banded, {width} unknowns and {more} multipliers an element, by Newton"
             return f"coupled nodes; block tridiagonal, {width} unknowns a block, by Newton"
         words = []
         for block in self.blocks:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
             words.append(f"{names} {'explicit' if block.linear else 'by Newton'}")
-        return "decoupled nodes; " + "; ".join(words)
+        count = self.density.constraints.numel()
+        solved = f"; {count} multiplier{'s' * (count > 1)} an element, block tridiagonal, by Newton" if count else ""
+        return "decoupled nodes; " + "; ".join(words) + solved
 
     @property
     def signature(self) -> str:
@@ -118,6 +128,13 @@ def derive(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "
             f"nodes do not decouple under the rule {rule.name}; a block-tridiagonal rule is needed and not there yet"
         )
+    if density.constraints.numel() and (rule.strain.corners or rule.degree > 1):
+        raise ValueError(
+            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
+            f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
+        )
+    if density.constraints.numel() and rotation != "quaternion":
+        raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
     unknown = sorted(set(varying) - set(candidates))
@@ -127,6 +144,7 @@ def derive(
     rows = assign_rows(
         layout, [name for name in candidates if name not in uniforms], rule.cell, interval=along is not None
     )
+    rows = constrained_rows(rows, layout, density.constraints.numel())
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 
 

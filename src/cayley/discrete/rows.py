@@ -1,6 +1,6 @@
 """Rows of a block of lanes: where values, momenta and everything else of its nodes stand."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cayley.discrete.layout import Layout
 
@@ -21,6 +21,7 @@ class Rows:
             node of the element and slopes.
         count: number of rows.
         cell: nodes of a lane: those of the element to its right without the end, m for degree m.
+        constraint: what the programs of constrained densities read and write (see discrete.constraint).
     """
 
     values: slice
@@ -31,6 +32,7 @@ class Rows:
     observed: dict[str, slice]
     count: int
     cell: int = 1
+    constraint: dict[str, slice] = field(default_factory=dict)
 
 
 def assign_rows(layout: Layout, varying: list[str], cell: int = 1, *, interval: bool) -> Rows:

@@ -1,6 +1,6 @@
 """Write the programs of explicit rules: one step of all nodes, half a kick, and what results are made of."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -71,7 +71,13 @@ class Writer:
         share = float(lobatto_weights(len(self.cell))[k])
         return share * wrap(self.symbol["length"]), wrap(self.symbol["inverse"]) * (1.0 / share)
 
-    def _program(self, name: str, steps: list[Step], stores: list[tuple[int, ca.SX]]) -> Program:
+    def _program(
+        self,
+        name: str,
+        steps: list[Step],
+        stores: list[tuple[int, ca.SX]],
+        more: Iterable[tuple[ca.SX, int, int]] = (),
+    ) -> Program:
         """Close a program: read just what its steps need."""
         rows = self.rows
         lanes = [(s, i, 0) for s, i in zip(_all(self.nodes), _range(rows.values), strict=True)]
@@ -82,6 +88,7 @@ class Writer:
         lanes += [(self.symbol[n], i, 0) for n, i in rows.named.items()]
         if self.interval:
             lanes.append((self.symbol["right"], rows.named["here"], 1))
+        lanes += more
         uniforms = tuple(self.symbol[n] for n in self.uniforms)
         return Program(name, uniforms, tuple(lanes), tuple(steps), tuple(stores), rows.count)
 

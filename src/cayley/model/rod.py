@@ -11,6 +11,8 @@ from cayley.model import validate
 from cayley.model.section import Section
 from cayley.model.validate import Array, Triple
 
+KINEMATICS = ("shearable", "unshearable", "inextensible")
+"""What strains a rod has: all six; stretch, bending and twist; bending and twist."""
 _ROUND_OFF = 8.0 * float(np.finfo(np.float64).eps)
 
 
@@ -31,6 +33,8 @@ class Rod:
         origin: position of the first node [m].
         direction: of the axis, from the first node to the last; given with any length, kept as a unit vector.
         normal: of the section's e1 axis, of any length and any direction but the rod's own; None: as above.
+        kinematics: "shearable" (Simo-Reissner), "unshearable" (Kirchhoff: sections stay perpendicular to the axis) or
+            "inextensible" (Kirchhoff, and the axis keeps its length).
         name: in listings and results; empty: the model numbers the rod.
 
     Raises:
@@ -45,6 +49,7 @@ class Rod:
     origin: Triple = (0.0, 0.0, 0.0)
     direction: Triple = (0.0, 0.0, 1.0)
     normal: Triple | None = None
+    kinematics: str = "shearable"
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -57,6 +62,9 @@ class Rod:
         owner = self.label
         if not isinstance(self.section, Section):
             raise TypeError(validate.wrong(owner, "section", self.section, "a Section"))
+        if self.kinematics not in KINEMATICS:
+            right = " or ".join(f'"{word}"' for word in KINEMATICS)
+            raise ValueError(validate.wrong(owner, "kinematics", self.kinematics, right))
         normal = None if self.normal is None else validate.direction(owner, "normal", self.normal)
         direction = validate.direction(owner, "direction", self.direction)
         if normal is not None and math.sqrt(sum(c * c for c in np.cross(direction, normal).tolist())) < 1e-8:

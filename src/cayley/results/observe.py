@@ -6,7 +6,8 @@ import numpy as np
 
 from cayley.results.frames import Frames
 from cayley.results.interpolated import interpolated
-from cayley.results.resultants import resultants
+from cayley.results.multipliers import constraint_forces
+from cayley.results.resultants import resultants, timed_loads
 from cayley.system.system import System, by_node, pack
 
 
@@ -59,6 +60,8 @@ def observe(system: System, frames: Frames) -> Observations:
     if system.equations.rule.degree > 1:
         strain, spatial, slopes = interpolated(system, frames)
     elif "left" in part:
+        if system.equations.density.constraints.numel():
+            _add_constraint_forces(system, frames, part)
         spatial = resultants(system, frames, part)
     return Observations(
         velocity=part["velocity"],
@@ -68,6 +71,15 @@ def observe(system: System, frames: Frames) -> Observations:
         resultants=spatial,
         slopes=slopes,
     )
+
+
+def _add_constraint_forces(system: System, frames: Frames, part: dict[str, np.ndarray]) -> None:
+    """Add the forces of the multipliers to those of the elements."""
+    from_left = np.zeros_like(part["right"])
+    from_left[:, 1:] = part["right"][:, :-1]
+    total = part["left"] + from_left + part["load"] + sum(timed_loads(system, frames))
+    left, right = constraint_forces(system, frames, part["velocity"], total)
+    part["left"], part["right"] = part["left"] + left, part["right"] + right
 
 
 __all__ = ["Frames", "Observations", "observe"]

@@ -117,6 +117,7 @@ def _rod_record(rod: Rod) -> dict[str, Any]:
         "origin": list(rod.origin),
         "direction": list(rod.direction),
         "normal": None if rod.normal is None else list(rod.normal),
+        **({} if rod.kinematics == "shearable" else {"kinematics": rod.kinematics}),
     }
 
 

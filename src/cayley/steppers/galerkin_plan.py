@@ -159,33 +159,11 @@ class Advance(NamedTuple):
 
 def advance(system: System, plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
     """One call of the driver."""
-    layout, lanes = system.layout, system.kernels.lanes
-    stages, order, steps = len(plan.rule[2]), plan.rule[0].shape[1], len(frames) * stride
+    order, steps = plan.rule[0].shape[1], len(frames) * stride
     table = stage_table(system, state, plan.rule[7], steps)
     control = np.repeat(state.values[:, None, :], order, axis=1)
     momenta, memory, warm = recall(system, state)
-    blocks, width = plan.mesh[5].shape[0], layout.dofs * stages * system.equations.rule.degree
-    starts, lengths = plan.mesh[1][:, 0].astype(int), plan.mesh[1][:, 1]
-    strain = system.equations.rule.strain
-    along = np.outer(lengths, [0.0] if strain.between_ends else strain.at)
-    strain_points = _points(system, "strain_point", np.repeat(starts, along.shape[1]), lanes, along.reshape(-1))
-    work = (
-        np.zeros((system.size, order, layout.rows)),
-        np.zeros((system.size, stages, layout.rows)),
-        np.zeros((blocks, width, width)),
-        np.zeros((blocks, width, width)),
-        np.zeros((blocks, width, width)),
-        np.zeros((blocks, width)),
-        _points(system, "inertia_point", np.arange(system.size), lanes),
-        _stacked(strain_points, stages),
-        _uniforms(system),
-        control,
-        _room(system, order - 1, len(plan.rule[6])),
-        np.zeros((blocks, width), dtype=np.int64),
-        np.zeros_like(control),
-        np.zeros((blocks, width)),
-        np.full((HISTORY, 2), np.nan),
-    )
+    work = work_arrays(system, plan, control)
     counts = np.zeros(4, dtype=np.int64)
     clock = np.array([state.origin, state.h, float(state.step)])
     loads = (table, plan.entries, plan.scales)
@@ -195,7 +173,37 @@ def advance(system: System, plan: Plan, state: State, stride: int, frames: np.nd
     return Advance(list(Outcome)[code], reached, counts, memory, work[14])
 
 
-def _points(system: System, name: str, nodes: np.ndarray, lanes: int, along: Any = 0.0) -> np.ndarray:
+def work_arrays(
+    system: System, plan: Plan, control: np.ndarray, names: tuple[str, ...] = ("inertia_point", "strain_point")
+) -> tuple[Any, ...]:
+    """Room for the driver, with the control nodes; names are those of the point kernels."""
+    layout, lanes = system.layout, system.kernels.lanes
+    stages, order = len(plan.rule[2]), plan.rule[0].shape[1]
+    blocks, width = plan.mesh[5].shape[0], layout.dofs * stages * system.equations.rule.degree
+    starts, lengths = plan.mesh[1][:, 0].astype(int), plan.mesh[1][:, 1]
+    strain = system.equations.rule.strain
+    along = np.outer(lengths, [0.0] if strain.between_ends else strain.at)
+    strain_points = points_of(system, "strain_point", np.repeat(starts, along.shape[1]), lanes, along.reshape(-1))
+    return (
+        np.zeros((system.size, order, layout.rows)),
+        np.zeros((system.size, stages, layout.rows)),
+        np.zeros((blocks, width, width)),
+        np.zeros((blocks, width, width)),
+        np.zeros((blocks, width, width)),
+        np.zeros((blocks, width)),
+        points_of(system, "inertia_point", np.arange(system.size), lanes),
+        stacked(strain_points, stages),
+        _uniforms(system, names),
+        control,
+        _room(system, order - 1, len(plan.rule[6])),
+        np.zeros((blocks, width), dtype=np.int64),
+        np.zeros_like(control),
+        np.zeros((blocks, width)),
+        np.full((HISTORY, 2), np.nan),
+    )
+
+
+def points_of(system: System, name: str, nodes: np.ndarray, lanes: int, along: Any = 0.0) -> np.ndarray:
     """Blocks for a point kernel, with coordinates and varying constants filled in; points are ``along`` from nodes."""
     equations, rows = system.equations, system.layout.rows
     if len(nodes) == 0:
@@ -216,7 +224,7 @@ def _points(system: System, name: str, nodes: np.ndarray, lanes: int, along: Any
     return data
 
 
-def _stacked(points: np.ndarray, stages: int) -> np.ndarray:
+def stacked(points: np.ndarray, stages: int) -> np.ndarray:
     """The same blocks for every stage, aligned."""
     data = aligned((stages, *points.shape))
     data[:] = points
@@ -240,13 +248,13 @@ def _room(system: System, degree: int, points: int) -> tuple[np.ndarray, ...]:
     return np.zeros((dofs, rows)), np.zeros(dofs), square, hessians, pairs, index
 
 
-def _uniforms(system: System) -> np.ndarray:
+def _uniforms(system: System, names: tuple[str, ...]) -> np.ndarray:
     """Uniform inputs of the point kernels: the time, then the constants."""
     equations = system.equations
     known = dict(zip(equations.uniforms, system.uniforms, strict=True))
     values = [known[n] for n in equations.density.names if n not in equations.varying]
-    has_elements = equations.density.lagrangian.interval is not None
-    names = ("inertia_point", "strain_point") if has_elements else ("inertia_point",)
-    found = np.zeros((2, max(system.kernels[n].width for n in names)))
+    if equations.density.lagrangian.interval is None:
+        names = names[:1]
+    found = np.zeros((max(2, len(names)), max(system.kernels[n].width for n in names)))
     found[:, 1 : 1 + len(values)] = values
     return found

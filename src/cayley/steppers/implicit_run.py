@@ -10,7 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
-from cayley.steppers import galerkin_plan, onestage_plan
+from cayley.steppers import constrained_implicit_plan, galerkin_plan, onestage_plan
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import LoadEntries, State, System
 
@@ -20,6 +20,8 @@ CHUNK = 2_000
 
 def scheme_of(system: System) -> ModuleType:
     """The scheme that steps a system: the quick one where a step has one stage and an element two nodes."""
+    if system.equations.density.constraints.numel():
+        return constrained_implicit_plan
     return onestage_plan if system.equations.rule.one_stage else galerkin_plan
 
 

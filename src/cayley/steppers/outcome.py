@@ -14,6 +14,14 @@ class Outcome(enum.Enum):
     FINISHED = "finished"
     NOT_CONVERGED = "the equations of a step were not solved: Newton's method did not converge"
     NOT_FINITE = "the state is no longer finite: the motion blew up"
+    REDUNDANT = (
+        "a constraint says there what others and the supports say already "
+        "(a straight rod without stretch, held at both ends?)"
+    )
+    TENSE = (
+        "multipliers are too large there for steps of the rule screw_midpoint this long, which tend to be unstable; "
+        "take midpoint"
+    )
 
 
 @dataclass(frozen=True, slots=True)

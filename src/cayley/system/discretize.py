@@ -1,7 +1,7 @@
 """From a Model to a compiled system: chains of nodes, constants, supports and loads as arrays."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,12 +31,13 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     Returns: the System; its nodes are those of the rods, one rod after the other.
     """
     rods = model.rods
+    library_density = _KINEMATICS[_one_kinematics(rods)][0]
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
     constants = [_rod_constants(rod, gravity) for rod in rods]
     pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
-    density = trace(library.rod, pattern)
+    density = trace(library_density, pattern)
     entries = {name: np.array([_entry(c, name) for c in constants]) for name in density.names}
     inverse = np.array([1.0 / rod.element_length for rod in rods])
     varying = [name for name, values in entries.items() if np.any(values != values[0])]
@@ -133,12 +134,33 @@ def _nodal(value: Any, nodes: np.ndarray, width: int, where: str) -> np.ndarray:
     return array
 
 
+_KINEMATICS = {
+    "shearable": (library.rod, 0),
+    "unshearable": (library.unshearable_rod, 2),
+    "inextensible": (library.inextensible_rod, 3),
+}
+"""The density of each kinematics, and how many of the six strains are constrained, the first ones."""
+
+
+def _one_kinematics(rods: Sequence[Rod]) -> str:
+    """The kinematics of all rods.
+
+    Raises:
+        ValueError: if they differ; a model is stepped by one set of kernels.
+    """
+    found = sorted({rod.kinematics for rod in rods})
+    if len(found) > 1:
+        raise ValueError(f"Model: its rods are {' and '.join(found)}; give all rods of one model the same kinematics")
+    return found[0]
+
+
 def _rod_constants(rod: Rod, gravity: np.ndarray) -> dict[str, np.ndarray]:
     section = rod.section
+    constrained = _KINEMATICS[rod.kinematics][1]
     return {
         "mass": np.asarray(section.mass_per_length, dtype=float),
         "inertia": np.asarray(section.inertia, dtype=float),
-        "stiffness": np.asarray(section.stiffness, dtype=float),
+        "stiffness": np.asarray(section.stiffness, dtype=float)[constrained:, constrained:],
         "gravity": gravity,
     }
 
