@@ -21,6 +21,8 @@ MARKS = {
     "nodal_midpoint": "v",
     "screw": "^",
     "screw_midpoint": "<",
+    "spectral(space=2)": ">",
+    "spectral(space=3)": "p",
     "galerkin(time=1)": "+",
     "galerkin(time=2)": "o",
     "galerkin(time=3)": "o",

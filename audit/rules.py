@@ -7,6 +7,7 @@ from cayley.discrete.rules import (
     nodal_midpoint,
     screw,
     screw_midpoint,
+    spectral,
     verlet,
 )
 
@@ -15,6 +16,8 @@ EVERYWHERE = (nodal, verlet, midpoint, nodal_midpoint, *(galerkin(time=r) for r 
 ON_INTERVALS = (
     screw,
     screw_midpoint,
+    spectral(space=2),
+    spectral(space=3),
     galerkin(time=1, space=2),
     galerkin(time=2, space=2),
     galerkin(time=3, space=3),
