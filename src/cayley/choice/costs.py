@@ -27,8 +27,8 @@ ELEMENTS = 23
 REPEATS = 5
 COMPILED_LOAD, SLOW_LOAD, LOADED_NODE = 0.7e-6, 4e-6, 1e-8
 """Time to evaluate a compiled load [s], time from which on a load counts as not compiled, time to add it to a node."""
-CONSTRAINED = 12.0
-"""A step with multipliers costs so many times one without: explicit rules 10 to 14, implicit ones 4 to 10."""
+CONSTRAINED, CONSTRAINED_IMPLICIT = 12.0, 3.0
+"""A step with multipliers costs so many times one without: 10 to 14 under explicit rules, 2.4 to 3.6 under implicit."""
 PROBES = 200
 IMPLICIT_DT = 4e-3
 """Step of the implicit rules there [s]: three to four Newton iterations, as in most runs."""

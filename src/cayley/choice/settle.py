@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cayley.choice.costs import CONSTRAINED, seconds_per_step
+from cayley.choice.costs import CONSTRAINED, CONSTRAINED_IMPLICIT, seconds_per_step
 from cayley.choice.pilot import Track, differences, follow, frames_of
 from cayley.choice.schedule import schedule
 from cayley.discrete.rules import Rule
@@ -231,5 +231,6 @@ def expected_difference(task: Task, coarse: Track, fine: Track) -> float:
 def _per_step(task: Task, rule: Rule) -> float:
     """Expected wall time of a step [s]."""
     evaluations = len(rule.time.at) if rule.implicit else 1
-    own = seconds_per_step(rule, task.nodes) * (CONSTRAINED if task.constrained else 1.0)
+    dearer = CONSTRAINED_IMPLICIT if rule.implicit else CONSTRAINED
+    own = seconds_per_step(rule, task.nodes) * (dearer if task.constrained else 1.0)
     return own + evaluations * task.loads
