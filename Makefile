@@ -45,7 +45,7 @@ lint: $(VENV)/.dev
 	$(BIN)/typos
 
 # The peers live in an environment of their own, benchmarks/.venv-peers, which the scripts make.
-BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top report
+BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep report
 
 bench: $(VENV)/.dev
 	@set -e; for name in $(BENCHMARKS); do echo "benchmarks/$$name.py"; $(BIN)/python benchmarks/$$name.py; done

@@ -84,7 +84,7 @@ def run(given: Problem, count: int) -> Run:
     plan = onestage_plan.make_plan(system, state)
     frames = np.empty((1, system.size, system.layout.rows + system.layout.dofs))
     began = time.perf_counter()
-    outcome, reached, counts, _ = onestage_plan.advance(system, plan, state, count, frames)
+    outcome, reached, counts, *_ = onestage_plan.advance(system, plan, state, count, frames)
     wall_time = time.perf_counter() - began
     if outcome is not Outcome.FINISHED or reached != 1:
         raise RuntimeError(f"{count} steps at {system.size - 1} elements ended as {outcome} at step {counts[2]}")

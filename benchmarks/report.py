@@ -228,6 +228,30 @@ def heavy_top(record: Record) -> str:
     )
 
 
+def sweep(record: Record) -> str:
+    """Table of the rods drawn by chance."""
+    outcomes, seconds = record["outcomes"], record["seconds"]
+    head = (
+        "rods",
+        "finished",
+        "stopped with a reason",
+        "failed",
+        "within accuracy",
+        "largest error",
+        "rules",
+        "time each [s]",
+    )
+    row = (
+        str(record["rods"]),
+        *(str(outcomes[name]) for name in ("finished", "stopped", "failed")),
+        f"{record['within_accuracy']} of {record['checked']} checked",
+        f"{record['largest_error']:.1e}" if record["checked"] else "",
+        ", ".join(f"`{name}` {count}" for name, count in record["rules"].items()),
+        f"{seconds['median']:.2g} (up to {seconds['max']:.2g}), {seconds['sum']:.0f} in all",
+    )
+    return f"`accuracy={record['accuracy']:g}` and nothing else.\n\n{table(head, [row])}"
+
+
 SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "limit": ("Against hand-written C", limit),
     "pyelastica": ("Against PyElastica", pyelastica),
@@ -237,6 +261,7 @@ SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "steel_wire": ("Steel wire against PyElastica", steel_wire),
     "work_precision": ("Work and precision", work_precision),
     "heavy_top": ("Heavy top", heavy_top),
+    "sweep": ("Rods drawn by chance", sweep),
 }
 
 
