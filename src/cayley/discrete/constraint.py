@@ -19,7 +19,7 @@ from cayley.density import Density
 from cayley.density.expression import Expression, symbols, to_sx, wrap
 from cayley.discrete.element import element_points
 from cayley.discrete.layout import Layout
-from cayley.discrete.node import mass_matrix, node_point
+from cayley.discrete.node import mass_matrix, node_point, tangent
 from cayley.discrete.program import Assign, Carry, Program, Step
 from cayley.discrete.rules import Points
 from cayley.discrete.solve import Inverse, find_structure, solve_steps
@@ -145,16 +145,6 @@ def _inverse_masses(w: Any, held: bool) -> tuple[list[ca.SX], list[tuple[ca.SX, 
         columns = ca.horzcat(*[inverse(ca.SX(e)) for e in np.eye(w.layout.dofs)])
         found.append((f @ columns @ f if held else columns) / heavy)
     return found, more
-
-
-def tangent(layout: Layout, rows: Expression) -> ca.SX:
-    """Derivative of a node's rows along its degrees of freedom, shape (rows, dofs)."""
-    found = np.zeros((layout.rows, layout.dofs), dtype=object)
-    for name in layout.fields:
-        where = layout.rows_of(name), layout.dofs_of(name)
-        turns = name in layout.rotations
-        found[where] = layout.representation.tangent(rows[where[0]]) if turns else np.eye(layout.fields[name].size)
-    return to_sx(wrap(found))
 
 
 def _there(w: Any, matrix: ca.SX) -> ca.SX:

@@ -8,13 +8,13 @@ tridiagonal Newton needs of them fits in one kernel over the nodes.
 from dataclasses import dataclass
 
 import casadi as ca
-import numpy as np
 
 from cayley.density import Density
 from cayley.density.expression import Expression, symbols, to_sx, wrap
 from cayley.discrete.element import element_energy
 from cayley.discrete.embedded import embedded_point, normalized
 from cayley.discrete.layout import Layout
+from cayley.discrete.node import tangent
 from cayley.discrete.program import Assign, Carry, Program, Step
 from cayley.discrete.rules import Points
 
@@ -83,7 +83,7 @@ def fused_program(density: Density, layout: Layout, points: Points, varying: tup
     lanes = [(s, i, 0) for s, i in zip(_list(before), _range(rows.before), strict=True)]
     lanes += [(s, i, 0) for s, i in zip(_list(after), _range(rows.after), strict=True)]
     lanes += [(named[n], i, 0) for n, i in rows.named.items()]
-    tangents = [_tangent(layout, before), _tangent(layout, after)]
+    tangents = [tangent(layout, before), tangent(layout, after)]
     residual, momentum, diagonal = _node(density, layout, (before, after), tangents, named, h, t)
     steps: list[Step] = []
     size = layout.dofs
@@ -147,12 +147,12 @@ def _element(density, layout, points, ends, other, named, h, t):  # type: ignore
     at = ca.vertcat(*[0.5 * (to_sx(q[0]) + to_sx(q[1])) for q in (ends, other)])
     gradient, hessian = ca.substitute([gradient, hessian], [unknown], [at])
     r, scale = layout.rows, -h * length
-    old = [_tangent(layout, q[0]) for q in (ends, other)]
-    new = [_tangent(layout, q[1]) for q in (ends, other)]
+    old = [tangent(layout, q[0]) for q in (ends, other)]
+    new = [tangent(layout, q[1]) for q in (ends, other)]
     parts = [gradient[:r], gradient[r:]]
     residual = [0.5 * scale * (old[k].T @ parts[k]) for k in range(2)]
     momentum = [0.5 * scale * (new[k].T @ parts[k]) for k in range(2)]
-    tangent = [
+    blocks = [
         [0.25 * scale * (old[i].T @ hessian[i * r : (i + 1) * r, k * r : (k + 1) * r] @ new[k]) for k in range(2)]
         for i in range(2)
     ]
@@ -164,19 +164,9 @@ def _element(density, layout, points, ends, other, named, h, t):  # type: ignore
         ]
         return ca.reshape(ca.vertcat(*entries), *matrix.shape)
 
-    own = [there(residual[0]), there(momentum[0]), there(tangent[0][0])]
-    handed = ca.vertcat(there(residual[1]), there(momentum[1]), ca.vec(there(tangent[1][1]).T))
-    return own, there(tangent[0][1]), there(tangent[1][0]), ca.vertsplit(handed)
-
-
-def _tangent(layout: Layout, rows: Expression) -> ca.SX:
-    """Derivative of a node's rows along its degrees of freedom, shape (rows, dofs)."""
-    found = np.zeros((layout.rows, layout.dofs), dtype=object)
-    for name in layout.fields:
-        where = layout.rows_of(name), layout.dofs_of(name)
-        turns = name in layout.rotations
-        found[where] = layout.representation.tangent(rows[where[0]]) if turns else np.eye(layout.fields[name].size)
-    return to_sx(wrap(found))
+    own = [there(residual[0]), there(momentum[0]), there(blocks[0][0])]
+    handed = ca.vertcat(there(residual[1]), there(momentum[1]), ca.vec(there(blocks[1][1]).T))
+    return own, there(blocks[0][1]), there(blocks[1][0]), ca.vertsplit(handed)
 
 
 def _list(value: Expression) -> list[ca.SX]:

@@ -129,6 +129,16 @@ def mass_matrix(density: Density, layout: Layout, point: Mapping[str, Any]) -> c
     return ca.substitute([ca.jacobian(momentum, velocity)], [velocity], [ca.SX.zeros(velocity.shape)])[0]
 
 
+def tangent(layout: Layout, rows: Expression) -> ca.SX:
+    """Derivative of a node's rows along its degrees of freedom, shape (rows, dofs)."""
+    found = np.zeros((layout.rows, layout.dofs), dtype=object)
+    for name in layout.fields:
+        where = layout.rows_of(name), layout.dofs_of(name)
+        turns = name in layout.rotations
+        found[where] = layout.representation.tangent(rows[where[0]]) if turns else np.eye(layout.fields[name].size)
+    return to_sx(wrap(found))
+
+
 def _depends_on_place(density: Density, layout: Layout) -> bool:
     """Tell whether T depends on anything but velocities and the coordinate along the interval."""
     total = ca.vertcat(*[term for _, term in density.terms["inertia"]])
@@ -154,4 +164,4 @@ def _homogeneous_rotations(density: Density, layout: Layout) -> frozenset[str]:
     return frozenset(found)
 
 
-__all__ = ["Inertia", "corner_inertia", "from_sx", "mass_matrix", "node_load", "node_point"]
+__all__ = ["Inertia", "corner_inertia", "from_sx", "mass_matrix", "node_load", "node_point", "tangent"]

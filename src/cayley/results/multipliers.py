@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import symbols, to_sx, wrap
-from cayley.discrete.constraint import element_constraints, tangent
-from cayley.discrete.node import node_point
+from cayley.discrete.constraint import element_constraints
+from cayley.discrete.node import node_point, tangent
 from cayley.results.frames import Frames
 from cayley.system.system import System
 

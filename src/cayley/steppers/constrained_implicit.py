@@ -19,6 +19,17 @@ from numba import njit
 
 from cayley.steppers.band import factorize_band, solve_band
 from cayley.steppers.constrained import prepare_project
+from cayley.steppers.contraction import assemble, combine, evaluate, start_from_momenta
+from cayley.steppers.controls import (
+    add_trivialized,
+    extrapolate,
+    hand_on,
+    hold,
+    measure,
+    move,
+    trivialize,
+    turn_correction,
+)
 from cayley.steppers.galerkin import (
     FLOOR,
     ITERATIONS,
@@ -30,18 +41,6 @@ from cayley.steppers.galerkin import (
     SMALLEST_PART,
     STEP_TOLERANCE,
     WILD_GROWTH,
-    _add_trivialized,
-    _assemble,
-    _call,
-    _combine,
-    _continue,
-    _extrapolate,
-    _hand_on,
-    _hold,
-    _measure,
-    _move,
-    _trivialize,
-    _turn_correction,
     note,
 )
 
@@ -69,9 +68,9 @@ def advance(  # type: ignore[no-untyped-def]
             solved, worst = False, 0
             for attempt in range(3):
                 if attempt < 2 and (warm or number > 0):
-                    _extrapolate(control, kept, rule[3], fields)
+                    extrapolate(control, kept, rule[3], fields)
                 elif attempt < 2:
-                    _continue(calls, rule, mesh, work, state, begin, clock[1])
+                    start_from_momenta(calls, rule, mesh, work, state, begin, clock[1])
                 else:
                     for i in range(1, last + 1):
                         control[:, i] = control[:, 0]
@@ -79,7 +78,7 @@ def advance(  # type: ignore[no-untyped-def]
                     a = int(elements[e, 0])
                     for i in range(last):
                         multipliers[e, i] = memory[a, i, rows:]
-                _hold(mesh, control)
+                hold(mesh, control)
                 passes, worst, solved = _newton(
                     calls, rule, mesh, work, state, saddle, loads, number, begin, clock[1], attempt > 0
                 )
@@ -94,7 +93,7 @@ def advance(  # type: ignore[no-untyped-def]
                     return NOT_CONVERGED, save
                 counts[3] = found
                 return REDUNDANT, save
-            _hand_on(mesh, work, control, momenta)
+            hand_on(mesh, work, control, momenta)
             kept[:] = control[:, :last]
             for e in range(elements.shape[0]):
                 a = int(elements[e, 0])
@@ -154,20 +153,20 @@ def _newton(  # type: ignore[no-untyped-def]
     accepted[:] = control
     last, part, worst, fresh = math.inf, 1.0, 0, True
     for iteration in range(ITERATIONS if careful else QUICK_ITERATIONS):
-        _assemble(calls, rule, mesh, work, state, loads, number, begin, h, fresh)
+        assemble(calls, rule, mesh, work, state, loads, number, begin, h, fresh)
         _constrain(calls, rule, mesh, work, saddle, begin, h, fresh, iteration == 0)
         if fresh and _factorize(mesh, rule, work, saddle, h) >= 0:
             return iteration + 1, worst, False
         residual = np.abs(right).max()
         _solve(mesh, work, saddle)
-        size, turn, worst = _measure(mesh, right, control)
+        size, turn, worst = measure(mesh, right, control)
         note(work[14], iteration, size, residual)
         if careful and not size <= LARGEST_GROWTH * last and part > SMALLEST_PART:  # also for NaN
             part *= 0.5
             control[:] = accepted
             multipliers[:] = held + part * moved
-            _move(mesh, taken, control, part)
-            _hold(mesh, control)
+            move(mesh, taken, control, part)
+            hold(mesh, control)
             continue
         if not math.isfinite(size) or (not careful and size > WILD_GROWTH * last):
             return iteration + 1, worst, False
@@ -175,12 +174,12 @@ def _newton(  # type: ignore[no-untyped-def]
         held[:], moved[:] = multipliers, change
         part = min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0
         multipliers[:] = held + part * moved
-        _move(mesh, taken, control, part)
-        _hold(mesh, control)
+        move(mesh, taken, control, part)
+        hold(mesh, control)
         rate = size / last  # 0 at first
         settled = size <= STEP_TOLERANCE or (size <= FLOOR and rate > 0.3)
         if (fresh and settled) or (0.0 < rate < SLOW and size * rate <= LEFT_TOLERANCE):
-            _assemble(calls, rule, mesh, work, state, loads, number, begin, h, False)  # what is left, and momenta
+            assemble(calls, rule, mesh, work, state, loads, number, begin, h, False)  # what is left, and momenta
             _constrain(calls, rule, mesh, work, saddle, begin, h, False, False)
             return iteration + 1, worst, True
         fresh = careful or rate > SLOW
@@ -220,7 +219,7 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
                     data[block, rows + row, lane] = slope
                 for c in range(count):
                     data[block, given + c, lane] = multipliers[e, min(i, order - 2), g * count + c]
-        _call(calls, work[8], 2, data, begin + rule[8][i] * h)
+        evaluate(calls, work[8], 2, data, begin + rule[8][i] * h)
         for e in range(elements.shape[0]):
             start, inverse = int(elements[e, 0]), elements[e, 2] if scaled else 1.0
             for g in range(gauss):
@@ -234,7 +233,7 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
                                 phi[g, a] * data[block, at + row, lane]
                                 + psi[g, a] * inverse * data[block, at + rows + row, lane]
                             )
-                        _trivialize(row_of, control[start + a, i], fields, gradients[i, e, g, a, c])
+                        trivialize(row_of, control[start + a, i], fields, gradients[i, e, g, a, c])
     for e in range(elements.shape[0]):
         start, length = int(elements[e, 0]), elements[e, 1]
         for i in range(order - 1):
@@ -267,7 +266,7 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
                     for b in range(width):
                         s11, s12 = w * phi[g, a] * phi[g, b], w * phi[g, a] * psi[g, b] * inverse
                         s21, s22 = w * psi[g, a] * phi[g, b] * inverse, w * psi[g, a] * psi[g, b] * inverse * inverse
-                        _combine(data, block, lane, upper, index, s11, s12, s21, s22, full)
+                        combine(data, block, lane, upper, index, s11, s12, s21, s22, full)
                         na, nb = start + a, start + b
                         ra, rb = mesh[2][na, 0], mesh[2][nb, 0]
                         out = diagonal[ra]
@@ -276,12 +275,12 @@ def _constrain(calls, rule, mesh, work, saddle, begin, h, tangent, first):  # ty
                         elif ra > rb:
                             out = work[4][ra]
                         row, column = mesh[2][na, 1] + i * dofs, mesh[2][nb, 1] + (i - 1) * dofs
-                        _add_trivialized(full, control[na, i], control[nb, i], fields, out, row, column, half, moved)
+                        add_trivialized(full, control[na, i], control[nb, i], fields, out, row, column, half, moved)
     for a in range(nodes):
         block, base = mesh[2][a, 0], mesh[2][a, 1]
         for i in range(1, order - 1):
             row, column = base + i * dofs, base + (i - 1) * dofs
-            _turn_correction(force[a, i], control[a, i], fields, diagonal[block], row, column)
+            turn_correction(force[a, i], control[a, i], fields, diagonal[block], row, column)
             for d in range(dofs):
                 if not free[a, d]:
                     diagonal[block, row + d], work[3][block, row + d], work[4][block, row + d] = 0.0, 0.0, 0.0
@@ -309,11 +308,11 @@ def _overstrained(mesh, work, saddle, h):  # type: ignore[no-untyped-def]
                 sign = 1.0 if a == b else -1.0
                 s11, s12 = sign * (1 - a) * (1 - b), sign * (1 - a) * b
                 s21, s22 = sign * a * (1 - b), sign * a * b
-                _combine(data, e // lanes, e % lanes, upper, index, s11, s12, s21, s22, full)
+                combine(data, e // lanes, e % lanes, upper, index, s11, s12, s21, s22, full)
                 left, right = control[node + a, 0], control[node + b, 0]
-                _add_trivialized(full, left, right, fields, stiffness, 0, 0, half, moved)
-        _combine(inertia, node // lanes, node % lanes, first, index, 0.0, 0.0, 0.0, 1.0, full)
-        _add_trivialized(full, control[node, 0], control[node, 0], fields, mass, 0, 0, half, moved)
+                add_trivialized(full, left, right, fields, stiffness, 0, 0, half, moved)
+        combine(inertia, node // lanes, node % lanes, first, index, 0.0, 0.0, 0.0, 1.0, full)
+        add_trivialized(full, control[node, 0], control[node, 0], fields, mass, 0, 0, half, moved)
         for f in range(fields.shape[0]):
             for d in range(fields[f, 2], fields[f, 2] + 3 if fields[f, 0] else fields[f, 2]):
                 if -0.25 * h * h * stiffness[d, d] > mass[d, d]:

@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from cayley.steppers.calls import call_kernel, call_setup
+from cayley.steppers.controls import hand_turned, hold_turn
 from cayley.steppers.dense import solve_chain
 from cayley.steppers.galerkin import (
     FIRST_PART,
@@ -26,8 +27,6 @@ from cayley.steppers.galerkin import (
     SMALLEST_PART,
     STEP_TOLERANCE,
     WILD_GROWTH,
-    hand_turned,
-    hold_turn,
     note,
 )
 
@@ -224,7 +223,7 @@ def _stretch(data, rows, fields, nodes, factor):  # type: ignore[no-untyped-def]
 
 @njit(**_options)
 def _hold(data, rows, fields, free):  # type: ignore[no-untyped-def]
-    """Held components at the end of the step are those at its start; see galerkin._hold."""
+    """Held components at the end of the step are those at its start; see controls.hold."""
     lanes = data.shape[2]
     start, point = np.empty(4), np.empty(4)
     for a in range(free.shape[0]):
@@ -245,7 +244,7 @@ def _hold(data, rows, fields, free):  # type: ignore[no-untyped-def]
 
 @njit(**_options)
 def _hand_on(data, at, fields, free, momenta, push):  # type: ignore[no-untyped-def]
-    """Momenta at the end of the step, and what its equations leave unsolved; see galerkin._hand_on."""
+    """Momenta at the end of the step, and what its equations leave unsolved; see controls.hand_on."""
     rows, lanes, dofs = at[0], data.shape[2], momenta.shape[1]
     unsolved, before, after = np.empty(dofs), np.empty(4), np.empty(4)
     for a in range(momenta.shape[0]):
