@@ -1,10 +1,13 @@
 """The Legendre transform of a system: momenta from velocities."""
 
+import itertools
+
 import casadi as ca
 import numpy as np
 
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.node import node_point
+from cayley.discrete.representation import continuous
 from cayley.system.system import State, System
 
 
@@ -13,14 +16,29 @@ def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, t
 
     Args:
         system: the system.
-        values: shape (nodes, rows).
+        values: shape (nodes, rows); quaternions of neighbors in different hemispheres are brought into one.
         velocity: ẋ in space, ω in the body frame, shape (nodes, dofs); held degrees of freedom do not move.
         time: time of the state [s].
 
     Returns: the state at its step 0.
     """
+    values = _in_one_hemisphere(system, values)
     momenta = momenta_of(system, values, np.where(system.free, velocity, 0.0), time)
     return State(values=values, momenta=np.where(system.free, momenta, 0.0), origin=time)
+
+
+def _in_one_hemisphere(system: System, values: np.ndarray) -> np.ndarray:
+    """Signs of quaternions that are continuous along every chain: p and −p are one rotation, but not their mean."""
+    layout = system.layout
+    if layout.representation.name != "quaternion":
+        return values
+    chosen = values.copy()
+    edges = np.cumsum([0, *system.chains])
+    for name in layout.rotations:
+        rows = layout.rows_of(name)
+        for first, last in itertools.pairwise(edges):
+            chosen[first:last, rows] = continuous(values[first:last, rows])
+    return chosen
 
 
 def momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
