@@ -19,10 +19,9 @@ from numba import njit
 
 from cayley.steppers.band import factorize_band, solve_band
 from cayley.steppers.constrained import prepare_project
-from cayley.steppers.contraction import assemble, combine, evaluate, start_from_momenta
+from cayley.steppers.contraction import assemble, combine, evaluate, first_guess
 from cayley.steppers.controls import (
     add_trivialized,
-    extrapolate,
     hand_on,
     hold,
     measure,
@@ -58,7 +57,7 @@ def advance(  # type: ignore[no-untyped-def]
     """
     control, momenta, memory = state
     multipliers = saddle[0]
-    fields, elements = mesh[3], mesh[1]
+    elements = mesh[1]
     nodes, last, rows = control.shape[0], control.shape[1] - 1, control.shape[2]
     kept = memory[:, :, :rows].copy()
     for save in range(frames.shape[0]):
@@ -67,18 +66,12 @@ def advance(  # type: ignore[no-untyped-def]
             begin = clock[0] + (clock[2] + number) * clock[1]
             solved, worst = False, 0
             for attempt in range(3):
-                if attempt < 2 and (warm or number > 0):
-                    extrapolate(control, kept, rule[3], fields)
-                elif attempt < 2:
-                    start_from_momenta(calls, rule, mesh, work, state, begin, clock[1])
-                else:
-                    for i in range(1, last + 1):
-                        control[:, i] = control[:, 0]
+                onward = warm or number > 0
+                first_guess(calls, rule, mesh, work, state, kept, onward, attempt > 1, begin, clock[1])
                 for e in range(elements.shape[0]):
                     a = int(elements[e, 0])
                     for i in range(last):
                         multipliers[e, i] = memory[a, i, rows:]
-                hold(mesh, control)
                 passes, worst, solved = _newton(
                     calls, rule, mesh, work, state, saddle, loads, number, begin, clock[1], attempt > 0
                 )

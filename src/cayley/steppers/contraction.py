@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from cayley.steppers.calls import call_kernel, call_setup
-from cayley.steppers.controls import add_trivialized, trivialize, turn, turn_correction
+from cayley.steppers.controls import add_trivialized, extrapolate, hold, trivialize, turn, turn_correction
 from cayley.steppers.dense import factorize, solve_factorized
 
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
@@ -262,6 +262,20 @@ def combine(data, block, lane, at, index, s11, s12, s21, s22, out):
                 + s21 * data[block, at + index[rows + i, j], lane]
                 + s22 * data[block, at + index[rows + i, rows + j], lane]
             )
+
+
+@njit(**_options)
+def first_guess(calls, rule, mesh, work, state, memory, onward, safest, begin, h):
+    """The polynomial of the step before, continued; where there is none, by the momenta; the safest: no motion."""
+    control = state[0]
+    if safest:
+        for i in range(1, control.shape[1]):
+            control[:, i] = control[:, 0]
+    elif onward:
+        extrapolate(control, memory, rule[3], mesh[3])
+    else:
+        start_from_momenta(calls, rule, mesh, work, state, begin, h)
+    hold(mesh, control)
 
 
 @njit(**_options)

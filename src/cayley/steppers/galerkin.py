@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numba import njit
 
-from cayley.steppers.contraction import assemble, start_from_momenta
-from cayley.steppers.controls import extrapolate, hand_on, hold, measure, move, stretch
+from cayley.steppers.contraction import assemble, first_guess
+from cayley.steppers.controls import hand_on, hold, measure, move, stretch
 from cayley.steppers.dense import factorize, solve_columns, solve_factorized, subtract_product, subtract_vector
 
 FINISHED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
@@ -51,7 +51,6 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
     Returns: (outcome, number of the save); counts holds iterations in all, most in a step, failed step and node.
     """
     control, momenta, memory = state
-    fields = mesh[3]
     nodes, last = control.shape[0], control.shape[1] - 1
     rows = control.shape[2]
     for save in range(frames.shape[0]):
@@ -60,14 +59,8 @@ def advance(calls, rule, mesh, work, state, warm, loads, clock, stride, frames, 
             begin = clock[0] + (clock[2] + number) * clock[1]
             solved = False
             for attempt in range(3):  # then with care, then with care from the safest start, the state itself
-                if attempt < 2 and (warm or number > 0):
-                    extrapolate(control, memory, rule[3], fields)
-                elif attempt < 2:
-                    start_from_momenta(calls, rule, mesh, work, state, begin, clock[1])
-                else:
-                    for i in range(1, last + 1):
-                        control[:, i] = control[:, 0]
-                hold(mesh, control)
+                onward = warm or number > 0
+                first_guess(calls, rule, mesh, work, state, memory, onward, attempt > 1, begin, clock[1])
                 passes, worst, solved = _newton(
                     calls, rule, mesh, work, state, loads, number, begin, clock[1], attempt > 0
                 )

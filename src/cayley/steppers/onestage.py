@@ -194,13 +194,8 @@ def _start(data, rows, memory, fields, nodes, onward):  # type: ignore[no-untype
         for row in range(rows):
             now = data[block, row, lane]
             data[block, rows + row, lane] = 2.0 * now - memory[a, 0, row] if onward else now
-        for f in range(fields.shape[0]):
-            if fields[f, 0] and onward:
-                size = 0.0
-                for k in range(4):
-                    size += data[block, rows + fields[f, 1] + k, lane] ** 2
-                for k in range(4):
-                    data[block, rows + fields[f, 1] + k, lane] /= math.sqrt(size)
+    if onward:
+        _normalize(data, rows, fields, nodes)
 
 
 @njit(**_options)
@@ -212,6 +207,15 @@ def _stretch(data, rows, fields, nodes, factor):  # type: ignore[no-untyped-def]
         for row in range(rows):
             start = data[block, row, lane]
             data[block, rows + row, lane] = start + factor * (data[block, rows + row, lane] - start)
+    _normalize(data, rows, fields, nodes)
+
+
+@njit(**_options)
+def _normalize(data, rows, fields, nodes):  # type: ignore[no-untyped-def]
+    """Bring the unknown rotations to length one."""
+    lanes = data.shape[2]
+    for a in range(nodes):
+        block, lane = 1 + a // lanes, a % lanes
         for f in range(fields.shape[0]):
             if fields[f, 0]:
                 size = 0.0

@@ -6,7 +6,7 @@ import numpy as np
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
 from cayley.discrete.layout import Layout
-from cayley.discrete.node import mass_matrix, node_load, node_point
+from cayley.discrete.node import mass_matrix, node_load, node_point, tangent
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.rules import lobatto_weights
 from cayley.system.system import System
@@ -54,11 +54,11 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
     ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rows.cell + 1)]
     names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
     place = names | {"here": names["left"]}
-    rows = [wrap(np.asarray(_tangent(layout, end))) for end in ends]
+    tangents = [tangent(layout, end) for end in ends]
     load = to_sx(node_load(density, layout, ends[0], place)) * to_sx(names["weight"])
     outputs = [
         mass_matrix(density, layout, node_point(layout, ends[0], along, place)) * to_sx(names["weight"]),
-        -ca.jacobian(load, to_sx(ends[0])) @ to_sx(rows[0]),
+        -ca.jacobian(load, to_sx(ends[0])) @ tangents[0],
     ]
     if along is not None:
         if equations.rows.cell == 1:
@@ -66,7 +66,7 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
         else:
             forces = polynomial_forces(density, equations.rule.strain, layout, ends, place)
         both = ca.vertcat(*[to_sx(f) for f in forces]) * to_sx(names["length"])
-        turn = ca.diagcat(*[to_sx(r) for r in rows])
+        turn = ca.diagcat(*tangents)
         outputs.append(-ca.jacobian(both, ca.vertcat(*[to_sx(e) for e in ends])) @ turn)
     inputs = ca.vertcat(*[to_sx(e) for e in ends], *[to_sx(v) for v in names.values()], density.parameters)
     function = ca.Function("linearized", [inputs], [ca.densify(o) for o in outputs])
@@ -134,16 +134,6 @@ def _batch(matrix: np.ndarray, count: int) -> np.ndarray:
     """(r, count·c) -> (count, r, c)."""
     r = matrix.shape[0]
     return matrix.reshape(r, count, -1).transpose(1, 0, 2)
-
-
-def _tangent(layout: Layout, rows: np.ndarray) -> np.ndarray:
-    """Derivative of a node's rows along its degrees of freedom, shape (rows, dofs)."""
-    found = np.zeros((layout.rows, layout.dofs), dtype=object)
-    for name in layout.fields:
-        where = layout.rows_of(name), layout.dofs_of(name)
-        turns = name in layout.rotations
-        found[where] = layout.representation.tangent(rows[where[0]]) if turns else np.eye(layout.fields[name].size)
-    return found
 
 
 def _scaled_elements(system: System, masses: np.ndarray, stiffness: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
