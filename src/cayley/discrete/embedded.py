@@ -20,44 +20,45 @@ from cayley.discrete.representation import homogeneous
 from cayley.discrete.rules import Points
 from cayley.lie import quaternion
 
+POINT_PROGRAMS = (
+    *("inertia_point", "strain_point", "constraint_point"),
+    *("inertia_point_force", "strain_point_force", "constraint_point_slope"),
+)
+"""Names of the programs here."""
+
 
 def point_program(
     density: Density, layout: Layout, name: str, points: Points | None, varying: tuple[str, ...]
 ) -> Program:
-    """Value, gradient and Hessian of one term at one quadrature point.
+    """Value, derivative and Hessian of one term at one quadrature point, or without the Hessian.
 
     name "inertia_point": T − U at (z, ż).  name "strain_point": W at (z, z′), or of two end nodes where the rule takes
-    corners. With p = z/‖z‖: ω = 2 Im(z̄ ż)/‖z‖², and Ω alike.
+    corners.  name "constraint_point": the constraints g there, and the Hessian of λ·g. With p = z/‖z‖:
+    ω = 2 Im(z̄ ż)/‖z‖², and Ω alike. The names "inertia_point_force", "strain_point_force" and
+    "constraint_point_slope" are those without the Hessian, on the same inputs.
 
     Args:
         density: the density.
         layout: rows of a node, rotations as quaternions.
         name: which term.
-        points: where the strain terms stand.
+        points: where the strain terms and the constraints stand.
         varying: names of constants that differ from point to point.
 
-    Returns: a program on rows (z, z′, here, inverse, varying ...) -> (value, gradient, upper triangle of the Hessian).
+    Returns: a program on rows (z, z′, here, inverse, varying ..., λ of constraints) -> (value, derivative by rows,
+        upper triangle of the Hessian).
     """
+    term, light = name.removesuffix("_force").removesuffix("_slope"), not name.endswith("_point")
     z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
-    along = density.lagrangian.interval
     here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
-    place = {"t": wrap(t), str(along): wrap(here)}
-    if name == "inertia_point":
-        point = embedded_point(layout, z, slope, "t") | place
-        value = density.value("inertia", point) - density.value("load", point)
-    elif points is not None and points.between_ends:
-        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here + 1.0 / inverse)}
-        value = element_energy(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
-    else:
-        value = density.value("strain", embedded_point(layout, z, slope, str(along)) | place)
+    value = _term(density, layout, term, points, (z, slope), {"here": here, "inverse": inverse, "t": t})
+    multiplier = ca.SX.sym("lambda", value.numel()) if term == "constraint_point" else ca.SX(1.0)
     unknown = ca.vertcat(to_sx(z), to_sx(slope))
-    gradient = ca.gradient(value, unknown)
-    hessian = ca.densify(ca.jacobian(gradient, unknown))
-    size = 2 * layout.rows
-    upper = [hessian[i, k] for i in range(size) for k in range(i, size)]
+    outputs = [*ca.vertsplit(ca.densify(value)), *_entries(ca.jacobian(value, unknown))]
+    if not light:
+        hessian = ca.densify(ca.jacobian(ca.gradient(ca.dot(multiplier, value), unknown), unknown))
+        outputs += [hessian[i, k] for i in range(hessian.size1()) for k in range(i, hessian.size1())]
     constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
-    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying)]
-    outputs = [value, *ca.vertsplit(ca.densify(gradient)), *upper]
+    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying), *ca.symvar(multiplier)]
     return Program(
         name=name,
         uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
@@ -68,42 +69,32 @@ def point_program(
     )
 
 
-def constraint_program(density: Density, layout: Layout, points: Points, varying: tuple[str, ...]) -> Program:
-    """The constraints g at one strain point, their derivatives, and the Hessian of λ·g.
-
-    Args:
-        density: the density.
-        layout: rows of a node, rotations as quaternions.
-        points: where the constraints stand.
-        varying: names of constants that differ from point to point.
-
-    Returns: a program on rows (z, z′, here, inverse, varying ..., λ) -> (g, ∂g by rows, upper triangle of λ·∂²g).
-    """
-    z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
+def _term(
+    density: Density,
+    layout: Layout,
+    name: str,
+    points: Points | None,
+    at: tuple[Expression, Expression],
+    place: dict[str, ca.SX],
+) -> ca.SX:
+    """A term at (z, its derivative), or at two ends, as a column."""
     along = density.lagrangian.interval
-    here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
-    if points.between_ends:
-        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here)}
-        g = element_constraints(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
-    else:
-        g = density.constraint(embedded_point(layout, z, slope, str(along)) | {"t": wrap(t), str(along): wrap(here)})
-    multiplier = ca.SX.sym("lambda", g.numel())
-    unknown = ca.vertcat(to_sx(z), to_sx(slope))
-    hessian = ca.densify(ca.jacobian(ca.gradient(ca.dot(multiplier, g), unknown), unknown))
-    size = 2 * layout.rows
-    upper = [hessian[i, k] for i in range(size) for k in range(i, size)]
-    constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
-    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying), *ca.vertsplit(multiplier)]
-    derivative = ca.vertsplit(ca.vec(ca.densify(ca.jacobian(g, unknown)).T))
-    outputs = [*ca.vertsplit(ca.densify(g)), *derivative, *upper]
-    return Program(
-        name="constraint_point",
-        uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
-        lanes=tuple((s, i, 0) for i, s in enumerate(inputs)),
-        steps=(),
-        stores=tuple((len(inputs) + i, v) for i, v in enumerate(outputs)),
-        rows=len(inputs) + len(outputs),
-    )
+    here, t = wrap(place["here"]), wrap(place["t"])
+    if name != "inertia_point" and points is not None and points.between_ends:
+        inverse = wrap(place["inverse"])
+        ends = normalized(layout, at[0]), normalized(layout, at[1])
+        where = {"inverse": inverse, "t": t, "left": here, "right": here + 1.0 / inverse}
+        found = element_constraints if name == "constraint_point" else element_energy
+        return found(density, points, layout, ends, where)
+    point = embedded_point(layout, *at, "t" if name == "inertia_point" else str(along)) | {"t": t, str(along): here}
+    if name == "inertia_point":
+        return density.value("inertia", point) - density.value("load", point)
+    return density.constraint(point) if name == "constraint_point" else density.value("strain", point)
+
+
+def _entries(matrix: ca.SX) -> list[ca.SX]:
+    """Entries of a matrix, row by row."""
+    return ca.vertsplit(ca.vec(ca.densify(matrix).T))
 
 
 def embedded_point(layout: Layout, z: Expression, slope: Expression, suffix: str) -> dict[str, Any]:

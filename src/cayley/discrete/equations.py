@@ -6,7 +6,7 @@ from typing import Any
 
 from cayley.density import Density
 from cayley.discrete.constraint import constrained_program, constrained_rows
-from cayley.discrete.embedded import constraint_program, point_program
+from cayley.discrete.embedded import POINT_PROGRAMS, point_program
 from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.program import Program
@@ -43,16 +43,14 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """A program by its name; implicit rules have "inertia_point" and "strain_point", or "fused"."""
+        """A program by its name; implicit rules have those of POINT_PROGRAMS, or "fused"."""
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
             if name == "fused":
                 self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
             elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
                 self._derived[name] = constrained_program(Writer(self), name)
-            elif name == "constraint_point":
-                self._derived[name] = constraint_program(self.density, self.layout, self.rule.strain, varying)
-            elif name.endswith("_point"):
+            elif name in POINT_PROGRAMS:
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
                 self._derived[name] = Writer(self).write(name)
