@@ -1,0 +1,239 @@
+/* Constraints: their values, their forces on the nodes, and their part of the saddle point of a step.
+ *
+ * With multipliers l_i at the control times 0 ... r - 1,
+ *
+ *     mu + D_0 L_d + h sum W G(q_0)' l_0 = 0,   D_i L_d + h sum W G(q_i)' l_i = 0 (0 < i < r),   g(q_i) = 0 (0 < i <= r)
+ */
+#include <string.h>
+#include "engine.h"
+
+typedef i64 (*kernel)(double *, double *, i64, i64);
+typedef void (*prepare)(double *);
+
+static inline vec shape(const struct coupling *c, i64 block, i64 slot, i64 g, i64 a, int *zero)
+{
+    double value = (slot ? c->psi : c->phi)[g * c->width + a];
+    *zero = value == 0.0;
+    vec one = {0.0};
+    one = one + value;
+    return slot ? one * ((const vec *)c->inverse)[block] : one;
+}
+
+/* Evaluate the constraints of a block of cells at one control time; full: with the Hessian of the multipliers. */
+static void evaluate(struct problem *p, struct coupling *c, i64 block, i64 number, i64 i, const vec *q, i64 full)
+{
+    i64 rows = p->rows, r = p->stages, height = full ? c->rows : c->light_rows, together = c->gauss * c->count;
+    double *start = c->data + i * c->gauss * c->rows * LANES;
+    for (i64 g = 0; g < c->gauss; g++) {
+        vec *data = (vec *)(start + g * height * LANES);
+        for (i64 s = 0; s < c->slots; s++)
+            for (i64 row = 0; row < rows; row++) {
+                vec sum = {0.0};
+                for (i64 a = 0; a < c->width; a++) {
+                    int zero;
+                    vec factor = shape(c, block, s, g, a, &zero);
+                    if (!zero) sum += factor * q[(i * c->width + a) * rows + row];
+                }
+                data[s * rows + row] = sum;
+            }
+        memcpy(data + c->constant_row, c->constant + (block * c->gauss + g) * c->constants * LANES,
+               (size_t)(c->constants * LANES) * sizeof(double));
+        for (i64 lane = 0; lane < LANES; lane++) {
+            i64 cell = block * LANES + lane, driver = c->driver[cell];
+            if (cell >= c->cells) continue;
+            const double *given = c->drive + ((number * (r + 1) + i) * c->driven + driver) * c->drives;
+            for (i64 k = 0; k < c->drives && driver >= 0; k++)
+                data[c->constant_row + c->constants - c->drives + k][lane] = given[k];
+            const double *multiplier = c->multiplier + (cell * r + (i < r ? i : r - 1)) * together + g * c->count;
+            for (i64 k = 0; k < c->count; k++) data[c->multiplier_row + k][lane] = multiplier[k];
+        }
+    }
+    double *uniforms = full ? c->uniforms + i * c->uniform_width : c->light_uniforms + i * c->light_width;
+    ((kernel)(full ? c->run : c->light_run))(start, uniforms, 0, c->gauss);
+}
+
+/* Left-trivialized derivative of constraint k of point g along node a. */
+static void derivative(struct problem *p, struct coupling *c, i64 block, i64 g, i64 k, i64 a, const vec *data,
+                       const vec *point, vec *embedded, vec *out)
+{
+    memset(embedded, 0, (size_t)p->rows * sizeof(vec));
+    for (i64 s = 0; s < c->slots; s++) {
+        int zero;
+        vec factor = shape(c, block, s, g, a, &zero);
+        if (zero) continue;
+        const vec *slope = data + c->gradient + (k * c->slots + s) * p->rows;
+        for (i64 row = 0; row < p->rows; row++) embedded[row] += factor * slope[row];
+    }
+    trivialize_lanes(p, embedded, point, out);
+}
+
+/* Values, forces and derivatives of one constraint along one node at control i. */
+static void scatter(struct problem *p, struct coupling *c, i64 block, i64 g, i64 k, i64 a, i64 i, double h,
+                    const vec *slope, i64 tangent)
+{
+    i64 dofs = p->dofs, r = p->stages, together = c->gauss * c->count, at = g * c->count + k;
+    for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
+        i64 cell = block * LANES + lane, node = c->nodes[cell * c->width + a];
+        const double *free = p->free + node * dofs;
+        double weight = h * c->weight[(block * c->gauss + g) * LANES + lane];
+        if (i < r) {
+            double push = weight * c->multiplier[(cell * r + i) * together + at];
+            double *sum = p->residual + (node * r + i) * dofs;
+            for (i64 d = 0; d < dofs; d++) sum[d] += push * slope[d][lane];
+        }
+        const i64 *across = c->across + (cell * c->width + a) * 2, *along = c->along + (cell * c->width + a) * 2;
+        if (!tangent || across[0] < 0) continue;
+        if (i < r)
+            for (i64 d = 0; d < dofs; d++)
+                p->matrix[across[0] + (i * dofs + d) * across[1] + i * together + at] = weight * slope[d][lane] * free[d];
+        if (i > 0)
+            for (i64 d = 0; d < dofs; d++)
+                p->matrix[along[0] + ((i - 1) * together + at) * along[1] + (i - 1) * dofs + d] = slope[d][lane] * free[d];
+    }
+}
+
+/* The Hessian of the multipliers' part of the action at an inner control. */
+static void curvature(struct problem *p, struct coupling *c, i64 block, i64 i, double h, const vec *q, vec *room)
+{
+    i64 rows = p->rows, dofs = p->dofs, width = c->width;
+    i64 active = c->cells - block * LANES < LANES ? c->cells - block * LANES : LANES;
+    vec *over = room, *half = over + rows * rows, *out = half + rows * dofs, *force = out + dofs * dofs;
+    for (i64 a = 0; a < width; a++)
+        for (i64 b = 0; b < width; b++) {
+            memset(over, 0, (size_t)(rows * rows) * sizeof(vec));
+            memset(force, 0, (size_t)rows * sizeof(vec));
+            for (i64 g = 0; g < c->gauss; g++) {
+                const vec *data = (const vec *)(c->data + (i * c->gauss + g) * c->rows * LANES);
+                vec weight = h * ((const vec *)c->weight)[block * c->gauss + g];
+                for (i64 s = 0; s < c->slots; s++) {
+                    int none, zero;
+                    vec left = shape(c, block, s, g, a, &none) * weight;
+                    if (none) continue;
+                    for (i64 k = 0; k < c->count; k++)
+                        for (i64 row = 0; row < rows; row++)
+                            force[row] += left * data[c->multiplier_row + k] *
+                                          data[c->gradient + (k * c->slots + s) * rows + row];
+                    for (i64 u = 0; u < c->slots; u++) {
+                        vec factor = left * shape(c, block, u, g, b, &zero);
+                        if (zero) continue;
+                        for (i64 e = c->starts[s * c->slots + u]; e < c->starts[s * c->slots + u + 1]; e++)
+                            over[c->entries[2 * e]] += factor * data[c->entries[2 * e + 1]];
+                    }
+                }
+            }
+            const vec *left = q + (i * width + a) * rows, *right = q + (i * width + b) * rows;
+            pair_tangent(p, over, left, right, half, out);
+            if (a == b) turned(p, force, left, out);
+            mask(p, c->nodes + block * LANES * width, width, a, b, out);
+            scatter_pair(p, c->places + ((block * LANES * width + a) * width + b) * 2, 2 * width * width, active, i,
+                         i - 1, out);
+        }
+}
+
+static void add_coupling(struct problem *p, struct coupling *c, i64 number, double begin, double h, i64 tangent)
+{
+    i64 r = p->stages, rows = p->rows, width = c->width, together = c->gauss * c->count;
+    vec *q = (vec *)p->cells, *room = q + (r + 1) * width * rows, slope[p->dofs], embedded[rows];
+    for (i64 i = 0; i <= r; i++) {
+        c->uniforms[i * c->uniform_width] = c->light_uniforms[i * c->light_width] = begin + p->ends[i] * h;
+        ((prepare)c->setup)(c->uniforms + i * c->uniform_width);
+        ((prepare)c->light_setup)(c->light_uniforms + i * c->light_width);
+    }
+    for (i64 block = 0; block * LANES < c->cells; block++) {
+        gather(p, c->nodes + block * LANES * width, width, r + 1, q);
+        for (i64 i = 0; i <= r; i++) {
+            i64 full = tangent && i > 0 && i < r, height = full ? c->rows : c->light_rows;
+            evaluate(p, c, block, number, i, q, full);
+            for (i64 g = 0; g < c->gauss; g++) {
+                const vec *data = (const vec *)(c->data + (i * c->gauss * c->rows + g * height) * LANES);
+                for (i64 k = 0; k < c->count; k++) {
+                    for (i64 a = 0; a < width; a++) {
+                        derivative(p, c, block, g, k, a, data, q + (i * width + a) * rows, embedded, slope);
+                        scatter(p, c, block, g, k, a, i, h, slope, tangent);
+                    }
+                    for (i64 lane = 0; i > 0 && lane < LANES && block * LANES + lane < c->cells; lane++)
+                        p->unknown[c->spot[block * LANES + lane] + (i - 1) * together + g * c->count + k] =
+                            -data[c->value + k][lane];
+                }
+            }
+            if (full) curvature(p, c, block, i, h, q, room);
+        }
+    }
+}
+
+/* Forces of all multipliers, violations (in the rows of the multipliers) and, if wanted, their tangent. */
+void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent)
+{
+    for (i64 n = 0; n < p->couplings; n++) add_coupling(p, &p->coupling[n], number, begin, h, tangent);
+}
+
+/* Project the momenta so that velocities satisfy the constraints (RATTLE): M v + G' nu = mu, G v = dg/dt of the drives,
+ * mu = M v, at the first controls. Returns 0, or 1 + the block of redundant constraints.
+ *
+ * It takes the matrix of a step with the other controls set to one. */
+i64 project(struct problem *p, i64 number, double time, double h)
+{
+    i64 dofs = p->dofs, rows = p->rows, stride = (dofs + LANES - 1) / LANES * LANES;
+    double *mass = p->taken; /* room: see steppers/implicit_plan.py */
+    mass_matrices(p, time, mass);
+    memset(p->matrix, 0, (size_t)p->matrix_size * sizeof(double));
+    for (i64 u = 0; u < p->unknowns; u++) {
+        p->matrix[p->diagonal[u]] = 1.0;
+        p->unknown[u] = 0.0;
+    }
+    for (i64 n = 0; n < p->nodes; n++)
+        for (i64 d = 0; d < dofs; d++) {
+            if (!p->free[n * dofs + d]) continue;
+            double *out = p->matrix + p->diagonal[p->place[n] + d] - d;
+            for (i64 e = 0; e < dofs; e++)
+                out[e] = p->free[n * dofs + e] ? mass[(n * dofs + d) * stride + e] : 0.0;
+            p->unknown[p->place[n] + d] = p->momenta[n * dofs + d];
+        }
+    for (i64 m = 0; m < p->couplings; m++) {
+        struct coupling *c = &p->coupling[m];
+        i64 width = c->width;
+        vec *q = (vec *)p->cells, slope[dofs], embedded[rows];
+        c->light_uniforms[0] = time;
+        ((prepare)c->light_setup)(c->light_uniforms);
+        for (i64 block = 0; block * LANES < c->cells; block++) {
+            gather(p, c->nodes + block * LANES * width, width, 1, q);
+            evaluate(p, c, block, number, 0, q, 0);
+            for (i64 g = 0; g < c->gauss; g++)
+                for (i64 k = 0; k < c->count; k++) {
+                    const vec *data = (const vec *)(c->data + g * c->light_rows * LANES);
+                    i64 at = g * c->count + k;
+                    for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++)
+                        p->matrix[p->diagonal[c->spot[block * LANES + lane] + at]] = 0.0;
+                    for (i64 a = 0; a < width; a++) {
+                        derivative(p, c, block, g, k, a, data, q + a * rows, embedded, slope);
+                        for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
+                            i64 cell = block * LANES + lane, node = c->nodes[cell * width + a];
+                            const i64 *across = c->across + (cell * width + a) * 2;
+                            const i64 *along = c->along + (cell * width + a) * 2;
+                            if (across[0] < 0) continue;
+                            for (i64 d = 0; d < dofs; d++) {
+                                double value = slope[d][lane] * p->free[node * dofs + d];
+                                p->matrix[across[0] + d * across[1] + at] = value;
+                                p->matrix[along[0] + at * along[1] + d] = value;
+                            }
+                        }
+                    }
+                    if (c->driven) /* the rate of g at rest, by the drive of the next control and this one */
+                        for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
+                            (void)h;
+                        }
+                }
+        }
+    }
+    i64 failed = factorize(p->fronts, p->matrix, p->pivots);
+    if (failed) return failed;
+    solve(p->fronts, p->matrix, p->pivots, p->unknown);
+    for (i64 n = 0; n < p->nodes; n++)
+        for (i64 d = 0; d < dofs; d++) {
+            double sum = 0.0;
+            for (i64 e = 0; e < dofs; e++)
+                sum += mass[(n * dofs + d) * stride + e] * p->free[n * dofs + e] * p->unknown[p->place[n] + e];
+            p->momenta[n * dofs + d] = p->free[n * dofs + d] ? sum : 0.0;
+        }
+    return 0;
+}
