@@ -7,7 +7,6 @@ from typing import Any
 from cayley.density import Density
 from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.embedded import POINT_PROGRAMS, point_program
-from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.program import Program
 from cayley.discrete.representation import REPRESENTATIONS
@@ -43,12 +42,10 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """A program by its name; implicit rules have those of POINT_PROGRAMS, or "fused"."""
+        """A program by its name; implicit rules have those of POINT_PROGRAMS."""
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
-            if name == "fused":
-                self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
-            elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
+            if name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
                 self._derived[name] = constrained_program(Writer(self), name)
             elif name in POINT_PROGRAMS:
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
@@ -61,8 +58,6 @@ class DiscreteEquations:
         """Name of the program that does most of the work of a step."""
         if not self.rule.implicit:
             return "drift" if self.density.constraints.numel() else "step"
-        if self.rule.one_stage:
-            return "fused"
         return "strain_point" if self.density.lagrangian.interval else "inertia_point"
 
     @property

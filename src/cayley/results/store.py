@@ -138,7 +138,7 @@ def _write(run: Trajectory, path: Path) -> None:
     _put(root, {name: ("J", getattr(observed, key)) for key, name in _ENERGIES.items()}, ("time",))
     _put(root, {"nodes": ("m", run.outline.nodes)}, ("node",))
     if frames.memory is not None:
-        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row"))
+        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row")[: frames.memory.ndim])
     for name in layout.fields:
         group = root.create_group(f"fields/{name}")
         _put(group, times, ("time",))

@@ -232,7 +232,8 @@ class Call:
 
     def run(self) -> Advance:
         """Call the driver."""
-        engine = library(self.plan.system.kernels.lanes)
+        pose = [tuple(field) for field in field_table(self.plan.system)] == [(1, 0, 0, 3), (0, 4, 3, 3)]
+        engine = library(self.plan.system.kernels.lanes, pose=pose)
         reached = ctypes.c_int64(0)
         code = engine.advance(ctypes.byref(self.problem), ctypes.byref(reached))
         memory = self.arrays["memory"][:, :-1]

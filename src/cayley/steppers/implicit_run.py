@@ -70,6 +70,10 @@ def _run_turned(
         remembered = state.memory[-size:].reshape(inner.reference.shape)
         if np.array_equal(_turned(system, inner, remembered, to_quaternion=False), state.values):
             values, memory = remembered.copy(), state.memory[:-size]
+
+    def receive_turned(values: np.ndarray, momenta: np.ndarray) -> None:
+        receive(_turned(system, inner, values, to_quaternion=False), momenta)
+
     begin = replace(state, values=values, memory=memory)
     result = run(inner, begin, receive=receive_turned, **options)
     end = result.state

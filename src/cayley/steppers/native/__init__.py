@@ -14,13 +14,13 @@ _TYPES = {"i64": ctypes.c_int64, "double": ctypes.c_double}
 
 
 @functools.cache
-def library(lanes: int) -> Any:
-    """The functions of engine.h for vectors of so many doubles.
+def library(lanes: int, *, pose: bool = False) -> Any:
+    """The functions of engine.h for vectors of so many doubles; pose: for nodes of one rotation and one position.
 
     Raises:
         ImportError: if the package was installed without them.
     """
-    path = HERE / f"engine_{lanes}.so"
+    path = HERE / f"engine_{lanes}{'_pose' * pose}.so"
     if not path.exists():
         raise ImportError(f"cayley: {path.name} is missing; install cayley again (pip install --force-reinstall cayley)")
     found = ctypes.CDLL(str(path))

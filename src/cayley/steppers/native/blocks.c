@@ -319,6 +319,103 @@ void solve_dense(const double *a, i64 n, i64 stride, const i64 *pivots, double *
     }
 }
 
+/* Pivots up to this size are inverted: with so few rows one product is quicker than two substitutions. */
+#define SMALL (2 * LANES)
+
+/* Inverse in place by Gauss-Jordan elimination with the pivots of factorize_dense. */
+static inline i64 invert(double *a, i64 n, i64 stride)
+{
+    double scale[SMALL];
+    i64 swapped[SMALL];
+    for (i64 i = 0; i < n; i++) {
+        double most = 0.0;
+        for (i64 k = 0; k < n; k++) {
+            double size = __builtin_fabs(a[i * stride + k]);
+            most = size > most ? size : most;
+        }
+        if (!(most > 0.0)) return i + 1;
+        scale[i] = 1.0 / most;
+    }
+    for (i64 c = 0; c < n; c++) {
+        i64 best = c;
+        double most = -1.0;
+        for (i64 i = c; i < n; i++) {
+            double size = __builtin_fabs(a[i * stride + c]) * scale[i];
+            if (size > most) most = size, best = i;
+        }
+        swapped[c] = best;
+        if (!(most > 1e-14)) return c + 1;
+        vec *own = (vec *)(a + c * stride), *other = (vec *)(a + best * stride);
+        scale[best] = scale[c];
+        double inverse = 1.0 / a[best * stride + c];
+        for (i64 k = 0; k < stride / LANES; k++) {
+            vec t = own[k];
+            own[k] = other[k] * inverse;
+            if (best != c) other[k] = t;
+        }
+        a[c * stride + c] = inverse;
+        for (i64 i = 0; i < n; i++) {
+            if (i == c) continue;
+            double factor = a[i * stride + c];
+            a[i * stride + c] = 0.0;
+            for (i64 k = 0; k < stride / LANES; k++) ((vec *)(a + i * stride))[k] -= factor * own[k];
+        }
+    }
+    for (i64 c = n - 1; c >= 0; c--) {
+        if (swapped[c] == c) continue;
+        for (i64 i = 0; i < n; i++) {
+            double t = a[i * stride + c];
+            a[i * stride + c] = a[i * stride + swapped[c]], a[i * stride + swapped[c]] = t;
+        }
+    }
+    return 0;
+}
+
+/* X = A X for whole rows of ``width`` doubles, A small. */
+static inline void multiply_rows(const double *a, i64 n, i64 stride, double *x, i64 width)
+{
+    for (i64 from = 0; from < width; from += LANES) {
+        vec kept[SMALL];
+        for (i64 k = 0; k < n; k++) kept[k] = *(vec *)(x + k * width + from);
+        for (i64 i = 0; i < n; i++) {
+            vec sum = a[i * stride] * kept[0];
+            for (i64 k = 1; k < n; k++) sum += a[i * stride + k] * kept[k];
+            *(vec *)(x + i * width + from) = sum;
+        }
+    }
+}
+
+/* y -= A x */
+static inline void subtract_product(double *y, const double *a, i64 rows, i64 columns, i64 stride, const double *x)
+{
+    for (i64 p = 0; p < rows; p++) {
+        double sum = 0.0;
+        for (i64 q = 0; q < columns; q++) sum += a[p * stride + q] * x[q];
+        y[p] -= sum;
+    }
+}
+
+/* OUT -= A B for whole rows of ``width`` doubles. */
+static inline void update(double *out, i64 out_stride, const double *a, i64 rows, i64 inner, i64 stride, const double *b,
+                          i64 b_stride, i64 width)
+{
+    for (i64 p = 0; p < rows; p++)
+        for (i64 c = 0; c < width; c += LANES) {
+            vec sum = *(vec *)(out + p * out_stride + c);
+            for (i64 q = 0; q < inner; q++) sum -= a[p * stride + q] * *(const vec *)(b + q * b_stride + c);
+            *(vec *)(out + p * out_stride + c) = sum;
+        }
+}
+
+/* Inner loops with the sizes of nodes with six degrees of freedom known to the compiler. */
+#define SIX ((6 + LANES - 1) / LANES * LANES)
+
+static void eliminate_pivot(const struct front *t, double *pivot, double *right)
+{
+    if (t->size == 6) multiply_rows(pivot, 6, SIX, right, t->width);
+    else multiply_rows(pivot, t->size, t->pad, right, t->width);
+}
+
 /* LU of all blocks; returns 0, or 1 + the block that is singular. */
 i64 factorize(i64 fronts, double *matrix, i64 *pivots)
 {
@@ -326,9 +423,13 @@ i64 factorize(i64 fronts, double *matrix, i64 *pivots)
     for (i64 k = 0; k < f->count; k++) {
         const struct front *t = &f->front[k];
         double *pivot = matrix + t->pivot, *right = matrix + t->right, *below = matrix + t->below;
-        if (factorize_dense(pivot, t->size, t->pad, pivots + t->pivots)) return f->order[k] + 1;
+        i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots)
+                     : t->size == 6 ? invert(pivot, 6, SIX)
+                                    : invert(pivot, t->size, t->pad);
+        if (failed) return f->order[k] + 1;
         if (!t->neighbors) continue;
-        solve_rows(pivot, t->size, t->pad, pivots + t->pivots, right, t->width);
+        if (t->size > SMALL) solve_rows(pivot, t->size, t->pad, pivots + t->pivots, right, t->width);
+        else eliminate_pivot(t, pivot, right);
         const i64 *target = f->target + 2 * t->update;
         for (i64 i = 0; i < t->neighbors; i++) {
             const struct front *a = &f->front[f->position[f->neighbor[t->first + i]]];
@@ -337,13 +438,9 @@ i64 factorize(i64 fronts, double *matrix, i64 *pivots)
                 i64 from = f->column[t->first + j];
                 i64 width = (j + 1 < t->neighbors ? f->column[t->first + j + 1] : t->width) - from;
                 double *out = matrix + target[0];
-                for (i64 p = 0; p < a->size; p++)
-                    for (i64 c = 0; c < width / LANES; c++) {
-                        vec sum = *(vec *)(out + p * target[1] + c * LANES);
-                        const double *b = right + from + c * LANES;
-                        for (i64 q = 0; q < t->size; q++) sum -= rows[p * t->pad + q] * *(const vec *)(b + q * t->width);
-                        *(vec *)(out + p * target[1] + c * LANES) = sum;
-                    }
+                if (t->size == 6 && a->size == 6)
+                    update(out, target[1], rows, 6, 6, SIX, right + from, t->width, width);
+                else update(out, target[1], rows, a->size, t->size, t->pad, right + from, t->width, width);
             }
         }
     }
@@ -357,30 +454,27 @@ void solve(i64 fronts, const double *matrix, const i64 *pivots, double *x)
     for (i64 k = 0; k < f->count; k++) {
         const struct front *t = &f->front[k];
         double *own = x + t->unknown;
-        solve_dense(matrix + t->pivot, t->size, t->pad, pivots + t->pivots, own);
-        const double *below = matrix + t->below;
+        if (t->size > SMALL) solve_dense(matrix + t->pivot, t->size, t->pad, pivots + t->pivots, own);
+        else {
+            double product[SMALL] = {0.0};
+            if (t->size == 6) subtract_product(product, matrix + t->pivot, 6, 6, SIX, own);
+            else subtract_product(product, matrix + t->pivot, t->size, t->size, t->pad, own);
+            for (i64 q = 0; q < t->size; q++) own[q] = -product[q];
+        }
         for (i64 i = 0; i < t->neighbors; i++) {
             const struct front *a = &f->front[f->position[f->neighbor[t->first + i]]];
-            double *other = x + a->unknown;
-            const double *rows = below + f->row[t->first + i] * t->pad;
-            for (i64 p = 0; p < a->size; p++) {
-                double sum = 0.0;
-                for (i64 q = 0; q < t->size; q++) sum += rows[p * t->pad + q] * own[q];
-                other[p] -= sum;
-            }
+            const double *rows = matrix + t->below + f->row[t->first + i] * t->pad;
+            if (a->size == 6 && t->size == 6) subtract_product(x + a->unknown, rows, 6, 6, SIX, own);
+            else subtract_product(x + a->unknown, rows, a->size, t->size, t->pad, own);
         }
     }
     for (i64 k = f->count - 1; k >= 0; k--) {
         const struct front *t = &f->front[k];
-        double *own = x + t->unknown;
         for (i64 j = 0; j < t->neighbors; j++) {
             const struct front *a = &f->front[f->position[f->neighbor[t->first + j]]];
-            const double *other = x + a->unknown, *right = matrix + t->right + f->column[t->first + j];
-            for (i64 p = 0; p < t->size; p++) {
-                double sum = 0.0;
-                for (i64 q = 0; q < a->size; q++) sum += right[p * t->width + q] * other[q];
-                own[p] -= sum;
-            }
+            const double *right = matrix + t->right + f->column[t->first + j];
+            if (a->size == 6 && t->size == 6) subtract_product(x + t->unknown, right, 6, 6, t->width, x + a->unknown);
+            else subtract_product(x + t->unknown, right, t->size, a->size, t->width, x + a->unknown);
         }
     }
 }

@@ -5,7 +5,7 @@
  *     mu + D_0 L_d + h sum W G(q_0)' l_0 = 0,   D_i L_d + h sum W G(q_i)' l_i = 0 (0 < i < r),   g(q_i) = 0 (0 < i <= r)
  */
 #include <string.h>
-#include "engine.h"
+#include "lanes.h"
 
 typedef i64 (*kernel)(double *, double *, i64, i64);
 typedef void (*prepare)(double *);
@@ -22,7 +22,7 @@ static inline vec shape(const struct coupling *c, i64 block, i64 slot, i64 g, i6
 /* Evaluate the constraints of a block of cells at one control time; full: with the Hessian of the multipliers. */
 static void evaluate(struct problem *p, struct coupling *c, i64 block, i64 number, i64 i, const vec *q, i64 full)
 {
-    i64 rows = p->rows, r = p->stages, height = full ? c->rows : c->light_rows, together = c->gauss * c->count;
+    i64 rows = ROWS, r = p->stages, height = full ? c->rows : c->light_rows, together = c->gauss * c->count;
     double *start = c->data + i * c->gauss * c->rows * LANES;
     for (i64 g = 0; g < c->gauss; g++) {
         vec *data = (vec *)(start + g * height * LANES);
@@ -56,13 +56,13 @@ static void evaluate(struct problem *p, struct coupling *c, i64 block, i64 numbe
 static void derivative(struct problem *p, struct coupling *c, i64 block, i64 g, i64 k, i64 a, const vec *data,
                        const vec *point, vec *embedded, vec *out)
 {
-    memset(embedded, 0, (size_t)p->rows * sizeof(vec));
+    memset(embedded, 0, (size_t)ROWS * sizeof(vec));
     for (i64 s = 0; s < c->slots; s++) {
         int zero;
         vec factor = shape(c, block, s, g, a, &zero);
         if (zero) continue;
-        const vec *slope = data + c->gradient + (k * c->slots + s) * p->rows;
-        for (i64 row = 0; row < p->rows; row++) embedded[row] += factor * slope[row];
+        const vec *slope = data + c->gradient + (k * c->slots + s) * ROWS;
+        for (i64 row = 0; row < ROWS; row++) embedded[row] += factor * slope[row];
     }
     trivialize_lanes(p, embedded, point, out);
 }
@@ -71,7 +71,7 @@ static void derivative(struct problem *p, struct coupling *c, i64 block, i64 g, 
 static void scatter(struct problem *p, struct coupling *c, i64 block, i64 g, i64 k, i64 a, i64 i, double h,
                     const vec *slope, i64 tangent)
 {
-    i64 dofs = p->dofs, r = p->stages, together = c->gauss * c->count, at = g * c->count + k;
+    i64 dofs = DOFS, r = p->stages, together = c->gauss * c->count, at = g * c->count + k;
     for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
         i64 cell = block * LANES + lane, node = c->nodes[cell * c->width + a];
         const double *free = p->free + node * dofs;
@@ -95,7 +95,7 @@ static void scatter(struct problem *p, struct coupling *c, i64 block, i64 g, i64
 /* The Hessian of the multipliers' part of the action at an inner control. */
 static void curvature(struct problem *p, struct coupling *c, i64 block, i64 i, double h, const vec *q, vec *room)
 {
-    i64 rows = p->rows, dofs = p->dofs, width = c->width;
+    i64 rows = ROWS, dofs = DOFS, width = c->width;
     i64 active = c->cells - block * LANES < LANES ? c->cells - block * LANES : LANES;
     vec *over = room, *half = over + rows * rows, *out = half + rows * dofs, *force = out + dofs * dofs;
     for (i64 a = 0; a < width; a++)
@@ -132,8 +132,8 @@ static void curvature(struct problem *p, struct coupling *c, i64 block, i64 i, d
 
 static void add_coupling(struct problem *p, struct coupling *c, i64 number, double begin, double h, i64 tangent)
 {
-    i64 r = p->stages, rows = p->rows, width = c->width, together = c->gauss * c->count;
-    vec *q = (vec *)p->cells, *room = q + (r + 1) * width * rows, slope[p->dofs], embedded[rows];
+    i64 r = p->stages, rows = ROWS, width = c->width, together = c->gauss * c->count;
+    vec *q = (vec *)p->cells, *room = q + (r + 1) * width * rows, slope[DOFS], embedded[rows];
     for (i64 i = 0; i <= r; i++) {
         c->uniforms[i * c->uniform_width] = c->light_uniforms[i * c->light_width] = begin + p->ends[i] * h;
         ((prepare)c->setup)(c->uniforms + i * c->uniform_width);
@@ -173,7 +173,7 @@ void add_couplings(struct problem *p, i64 number, double begin, double h, i64 ta
  * It takes the matrix of a step with the other controls set to one. */
 i64 project(struct problem *p, i64 number, double time, double h)
 {
-    i64 dofs = p->dofs, rows = p->rows, stride = (dofs + LANES - 1) / LANES * LANES;
+    i64 dofs = DOFS, rows = ROWS, stride = (dofs + LANES - 1) / LANES * LANES;
     double *mass = p->taken; /* room: see steppers/implicit_plan.py */
     mass_matrices(p, time, mass);
     memset(p->matrix, 0, (size_t)p->matrix_size * sizeof(double));

@@ -182,12 +182,4 @@ void add_loads(struct problem *p, i64 number, double h);
 void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent);
 i64 project(struct problem *p, i64 number, double time, double h);
 
-/* lanes.c */
-void gather(struct problem *p, const i64 *nodes, i64 width, i64 controls, vec *q);
-void trivialize_lanes(struct problem *p, const vec *gradient, const vec *point, vec *out);
-void pair_tangent(struct problem *p, const vec *over, const vec *left, const vec *right, vec *half, vec *out);
-void turned(struct problem *p, const vec *gradient, const vec *point, vec *out);
-void mask(struct problem *p, const i64 *nodes, i64 width, i64 a, i64 b, vec *block);
-void scatter_pair(struct problem *p, const i64 *places, i64 stride, i64 active, i64 i, i64 j, const vec *block);
-
 #endif

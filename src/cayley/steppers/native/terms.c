@@ -7,7 +7,7 @@
  * and are left-trivialized then, LANES cells at a time.
  */
 #include <string.h>
-#include "engine.h"
+#include "lanes.h"
 
 typedef i64 (*kernel)(double *, double *, i64, i64);
 typedef void (*prepare)(double *);
@@ -31,7 +31,7 @@ static inline vec shape(const struct term *t, i64 block, i64 slot, i64 g, i64 a,
 static void interpolate(struct problem *p, struct term *t, i64 block, i64 k, double h, const vec *q, double *out,
                         i64 rows_of_block)
 {
-    i64 rows = p->rows, width = t->width, controls = p->stages + 1;
+    i64 rows = ROWS, width = t->width, controls = p->stages + 1;
     vec value[width * rows], slope[width * rows];
     for (i64 e = 0; e < width * rows; e++) {
         vec sum = p->ell[k * controls] * q[e];
@@ -66,7 +66,7 @@ static void interpolate(struct problem *p, struct term *t, i64 block, i64 k, dou
 static void pull(struct problem *p, struct term *t, i64 block, i64 k, double h, const double *at, i64 rows_of_block,
                  vec *y)
 {
-    i64 rows = p->rows, width = t->width, controls = p->stages + 1;
+    i64 rows = ROWS, width = t->width, controls = p->stages + 1;
     for (i64 a = 0; a < width; a++) {
         vec value[rows], slope[rows];
         memset(value, 0, sizeof value);
@@ -95,7 +95,7 @@ static void pull(struct problem *p, struct term *t, i64 block, i64 k, double h, 
 /* The four parts of J for a pair of nodes at one stage: u u, u u', u' u, u' u'. */
 static void pair(struct problem *p, struct term *t, i64 block, const double *at, i64 a, i64 b, vec *parts)
 {
-    i64 square = p->rows * p->rows;
+    i64 square = ROWS * ROWS;
     memset(parts, 0, (size_t)(4 * square) * sizeof(vec));
     for (i64 g = 0; g < t->gauss; g++) {
         const vec *data = (const vec *)(at + g * t->rows * LANES);
@@ -121,7 +121,7 @@ static void pair(struct problem *p, struct term *t, i64 block, const double *at,
 
 static void tangents(struct problem *p, struct term *t, i64 block, double h, const vec *q, const vec *y, vec *room)
 {
-    i64 rows = p->rows, dofs = p->dofs, r = p->stages, controls = r + 1, width = t->width, square = rows * rows;
+    i64 rows = ROWS, dofs = DOFS, r = p->stages, controls = r + 1, width = t->width, square = rows * rows;
     const i64 *nodes = t->nodes + block * LANES * width;
     i64 active = t->cells - block * LANES < LANES ? t->cells - block * LANES : LANES;
     vec *over = room, *parts = over + r * r * square, *half = parts + 4 * square, *out = half + rows * dofs;
@@ -158,7 +158,7 @@ static void tangents(struct problem *p, struct term *t, i64 block, double h, con
 /* Add residuals and momenta of a block of cells. */
 static void scatter(struct problem *p, struct term *t, i64 block, const vec *q, const vec *y)
 {
-    i64 rows = p->rows, dofs = p->dofs, r = p->stages, width = t->width;
+    i64 rows = ROWS, dofs = DOFS, r = p->stages, width = t->width;
     i64 active = t->cells - block * LANES < LANES ? t->cells - block * LANES : LANES;
     vec out[dofs];
     for (i64 i = 0; i <= r; i++)
@@ -175,7 +175,7 @@ static void scatter(struct problem *p, struct term *t, i64 block, const vec *q, 
 /* Power of a force on the moving points, times h, summed over the points and stages of a block. */
 static double power(struct problem *p, struct term *t, i64 block, i64 k, double h, const double *at, i64 rows_of_block)
 {
-    i64 size = t->slots * p->rows;
+    i64 size = t->slots * ROWS;
     vec sum = {0.0};
     for (i64 g = 0; g < t->gauss; g++) {
         const vec *data = (const vec *)(at + g * rows_of_block * LANES);
@@ -190,7 +190,7 @@ static double power(struct problem *p, struct term *t, i64 block, i64 k, double 
 
 static void add_term(struct problem *p, struct term *t, double begin, double h, i64 tangent)
 {
-    i64 rows = p->rows, width = t->width, controls = p->stages + 1;
+    i64 rows = ROWS, width = t->width, controls = p->stages + 1;
     double *uniforms = tangent ? t->uniforms : t->light_uniforms;
     i64 uniform_width = tangent ? t->uniform_width : t->light_width, block_rows = tangent ? t->rows : t->light_rows;
     vec *q = (vec *)p->cells, *y = q + controls * width * rows, *room = y + controls * width * rows;
@@ -223,7 +223,7 @@ void add_terms(struct problem *p, double begin, double h, i64 tangent)
 /* Mass matrices of all nodes at the first control, [nodes + 1][dofs][dofs padded to whole vectors]. */
 void mass_matrices(struct problem *p, double time, double *mass)
 {
-    i64 rows = p->rows, dofs = p->dofs, square = rows * rows, stride = (dofs + LANES - 1) / LANES * LANES;
+    i64 rows = ROWS, dofs = DOFS, square = rows * rows, stride = (dofs + LANES - 1) / LANES * LANES;
     vec *q = (vec *)p->cells, *parts = q + rows, *half = parts + 4 * square, *out = half + rows * dofs;
     memset(mass, 0, (size_t)((p->nodes + 1) * dofs * stride) * sizeof(double));
     for (i64 n = 0; n < p->inertia; n++) {
@@ -252,7 +252,7 @@ void mass_matrices(struct problem *p, double time, double *mass)
  * its force on z is 2 z m/|z|^2. */
 void add_loads(struct problem *p, i64 number, double h)
 {
-    i64 rows = p->rows, dofs = p->dofs, r = p->stages, controls = r + 1, values = (p->nodes + 1) * rows;
+    i64 rows = ROWS, dofs = DOFS, r = p->stages, controls = r + 1, values = (p->nodes + 1) * rows;
     p->energy[0] = 0.0;
     for (i64 e = 0; e < p->entry_count; e++) {
         const i64 *entry = p->entries + 7 * e, node = entry[0], row = entry[1], turn = entry[2], form = entry[3];
