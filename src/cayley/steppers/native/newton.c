@@ -19,7 +19,8 @@ static const double LARGEST_GROWTH = 2.0;   /* a correction so many times the on
 static const double WILD_GROWTH = 10.0;     /* the quick try is given up when a correction is so much longer */
 static const double SMALLEST_PART = 0.02;   /* smallest part of a correction that is tried */
 static const double FIRST_PART = 1.0 / 16.0; /* the solution is followed from that of a step so much shorter, */
-static const double SMALLEST_GROWTH = 1.02;  /* by factors that fall from 2 to this */
+static const double SHORTEST_PART = 1e-4;    /* if need be down to this, */
+static const double SMALLEST_GROWTH = 1.0002;  /* by factors that fall from 2 to this */
 
 /* Residual (in the right-hand side), momenta and, if wanted, the matrix. */
 static void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent)
@@ -178,9 +179,15 @@ static i64 follow(struct problem *p, i64 number, double begin, double h, i64 *pa
         if (solved && size == 1.0) break;
         if (solved) {
             good = size;
+            growth = growth * growth < 2.0 ? growth * growth : 2.0;
             memcpy(p->reached, p->control, (size_t)values * sizeof(double));
+        } else if (good == 0.0 && size > SHORTEST_PART) {
+            size *= 0.25;
+            stand_still(p);
+            start_multipliers(p);
+            continue;
         } else {
-            growth = __builtin_sqrt(growth);
+            growth = __builtin_sqrt(__builtin_sqrt(growth));
             if (good == 0.0 || growth < SMALLEST_GROWTH) {
                 *passes = count;
                 return 0;
