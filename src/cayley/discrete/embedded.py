@@ -5,6 +5,7 @@ So a term is written once as a function of the unnormalized value z and its deri
 its gradient and Hessian are contracted with the interpolation: the size of the code does not depend on the degree.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import casadi as ca
@@ -12,9 +13,10 @@ import numpy as np
 
 from cayley.density import Density
 from cayley.density.expression import Expression, dot, symbols, to_sx, wrap
-from cayley.discrete.constraint import element_constraints
-from cayley.discrete.element import element_energy
+from cayley.discrete.element import element_points
+from cayley.discrete.jet import Jet, jet
 from cayley.discrete.layout import Layout
+from cayley.discrete.pose import screw_jet, strains_only
 from cayley.discrete.program import Program
 from cayley.discrete.representation import homogeneous
 from cayley.discrete.rules import Points
@@ -47,18 +49,19 @@ def point_program(
     Returns: a program on rows (z, z′, here, inverse, varying ..., λ of constraints) -> (value, derivative by rows,
         upper triangle of the Hessian).
     """
-    term, light = name.removesuffix("_force").removesuffix("_slope"), not name.endswith("_point")
+    term, second = name.removesuffix("_force").removesuffix("_slope"), name.endswith("_point")
+    count = density.constraints.numel()
+    multiplier = ca.SX.sym("lambda", count) if term == "constraint_point" else ca.SX(1.0)
     z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
     here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
-    value = _term(density, layout, term, points, (z, slope), {"here": here, "inverse": inverse, "t": t})
-    multiplier = ca.SX.sym("lambda", value.numel()) if term == "constraint_point" else ca.SX(1.0)
-    unknown = ca.vertcat(to_sx(z), to_sx(slope))
-    outputs = [*ca.vertsplit(ca.densify(value)), *_entries(ca.jacobian(value, unknown))]
-    if not light:
-        hessian = ca.densify(ca.jacobian(ca.gradient(ca.dot(multiplier, value), unknown), unknown))
+    place = {"here": wrap(here), "inverse": wrap(inverse), "t": wrap(t)}
+    found = _term(density, layout, term, points, (z, slope), place, multiplier, second=second)
+    outputs = [*_entries(found.values), *_entries(found.slope)]
+    if found.curvature is not None:
+        hessian = ca.densify(found.curvature)
         outputs += [hessian[i, k] for i in range(hessian.size1()) for k in range(i, hessian.size1())]
     constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
-    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying), *ca.symvar(multiplier)]
+    inputs = [*_list(z), *_list(slope), here, inverse, *(constants[n] for n in varying), *ca.symvar(multiplier)]
     return Program(
         name=name,
         uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
@@ -75,21 +78,36 @@ def _term(
     name: str,
     points: Points | None,
     at: tuple[Expression, Expression],
-    place: dict[str, ca.SX],
-) -> ca.SX:
-    """A term at (z, its derivative), or at two ends, as a column."""
-    along = density.lagrangian.interval
-    here, t = wrap(place["here"]), wrap(place["t"])
+    place: Mapping[str, Any],
+    multiplier: ca.SX,
+    *,
+    second: bool,
+) -> Jet:
+    """A term at (z, its derivative), or at two ends, with its derivatives."""
+    along, here, inverse, t = str(density.lagrangian.interval), place["here"], place["inverse"], place["t"]
+    unknown = ca.vertcat(to_sx(at[0]), to_sx(at[1]))
+
+    def of_point(point: Mapping[str, Any]) -> ca.SX:
+        if name == "inertia_point":
+            return density.value("inertia", point) - density.value("load", point)
+        return density.constraint(point) if name == "constraint_point" else density.value("strain", point)
+
     if name != "inertia_point" and points is not None and points.between_ends:
-        inverse = wrap(place["inverse"])
+        if points.screw and strains_only(density, of_point):
+            middle = {"inverse": inverse, "t": t, along: here + 0.5 / inverse}
+            return screw_jet(density, layout, of_point, at, middle, weights=multiplier, second=second)
         ends = normalized(layout, at[0]), normalized(layout, at[1])
         where = {"inverse": inverse, "t": t, "left": here, "right": here + 1.0 / inverse}
-        found = element_constraints if name == "constraint_point" else element_energy
-        return found(density, points, layout, ends, where)
-    point = embedded_point(layout, *at, "t" if name == "inertia_point" else str(along)) | {"t": t, str(along): here}
-    if name == "inertia_point":
-        return density.value("inertia", point) - density.value("load", point)
-    return density.constraint(point) if name == "constraint_point" else density.value("strain", point)
+        terms = [weight * of_point(point) for weight, point in element_points(density, points, layout, ends, where)]
+        value = sum(terms[1:], start=terms[0])
+    else:
+        point = embedded_point(layout, *at, "t" if name == "inertia_point" else along) | {"t": t, along: here}
+        value = of_point(point)
+    return jet(value, unknown, unknown, weights=multiplier, second=second)
+
+
+def _list(value: Expression) -> list[ca.SX]:
+    return ca.vertsplit(to_sx(value))
 
 
 def _entries(matrix: ca.SX) -> list[ca.SX]:

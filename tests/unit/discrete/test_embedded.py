@@ -22,6 +22,7 @@ HERE, TIME, INVERSE = 0.6, 0.4, 2.5
 ON_INTERVAL = [name for name, example in EXAMPLES.items() if example.lagrangian.interval is not None]
 CASES = [(name, "inertia_point", MIDDLE) for name in EXAMPLES]
 CASES += [(name, "strain_point", points) for name in ON_INTERVAL if name in STRAIN for points in (MIDDLE, CORNERS)]
+CASES += [("rod", "strain_point", SCREW)]
 
 
 def word(value: object) -> str:
