@@ -8,6 +8,7 @@ from cayley.density import Density
 from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.embedded import POINT_PROGRAMS, point_program
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import placed, plain
 from cayley.discrete.program import Program
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rows import Rows, assign_rows
@@ -28,7 +29,7 @@ class DiscreteEquations:
         layout: rows of a node.
         rows: rows of a block.
         uniforms: names of the uniform inputs, in order.
-        varying: names of inputs that differ from node to node.
+        varying: names of inputs that differ from node to node, and NAME@k of what differs within an element (places).
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 6; position-momentum form: Marsden and West (2001).
     """
@@ -100,7 +101,8 @@ def derive(
         density: traced Lagrangian.
         rule: quadrature rule.
         rotation: "quaternion" or "matrix".
-        varying: names of uniform inputs and constants that differ from node to node.
+        varying: names of uniform inputs and constants that differ from node to node, and NAME@k of those that differ
+            within an element (see discrete.places).
 
     Raises:
         ValueError: if the rotation form is unknown, or velocities are coupled with derivatives along the interval.
@@ -130,13 +132,12 @@ def derive(
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
-    unknown = sorted(set(varying) - set(candidates))
+    unknown = sorted({plain(name) for name in varying} - set(candidates))
     if unknown:
         raise ValueError(f"varying names {unknown[0]!r}; inputs are {', '.join(candidates)}")
     uniforms = tuple(name for name in candidates if name not in set(varying))
-    rows = assign_rows(
-        layout, [name for name in candidates if name not in uniforms], rule.cell, interval=along is not None
-    )
+    by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
+    rows = assign_rows(layout, by_node, rule.cell, interval=along is not None)
     rows = constrained_rows(rows, layout, density.constraints.numel())
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 

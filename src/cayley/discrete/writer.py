@@ -9,6 +9,7 @@ import numpy as np
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 from cayley.discrete.element import element_energy, element_forces, element_points
 from cayley.discrete.node import Inertia, corner_inertia, node_load, node_point
+from cayley.discrete.places import constants_at
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.program import Assign, Carry, Program, Step
 from cayley.discrete.rules import MIDDLE, lobatto, lobatto_weights
@@ -56,13 +57,15 @@ class Writer:
         return [symbols(f"{name}{k or ''}", size) for k in self.cell]
 
     def _place(self, k: int = 0) -> dict[str, Any]:
-        """Where and when node k of a cell is."""
+        """Where and when node k of a cell is, and its own constants."""
         place = {name: wrap(self.symbol[name]) for name in (*UNIFORMS, "inverse", "here") if name in self.symbol}
         if k:
             place["here"] = place["here"] + float(lobatto(len(self.cell))[k]) * wrap(self.symbol["length"])
         if self.interval:
             place |= {"left": place["here"], "right": wrap(self.symbol["right"])}
-        return place
+            points = range(len(self.rule.strain.at))
+            place["at points"] = [constants_at(self.symbol, point) for point in points]
+        return place | constants_at(self.symbol, k)
 
     def _weights(self, k: int) -> tuple[Expression, Expression]:
         """Weight of node k of a cell and its inverse: inside an element its Lobatto share of the length."""

@@ -198,7 +198,7 @@ def _tree(model: Model) -> list[str]:
     lines = [f"Model: {rods}, {_counted(elements, 'element')}, {nodes} nodes, {model.mass:g} kg", "  parts"]
     for rod in model.rods:
         size = f"{rod.length:g} m, {_counted(rod.elements, 'element')}"
-        lines.append(f"    {model.name_of(rod)}: {size}, {rod.section.name}, {rod.mass:g} kg")
+        lines.append(f"    {model.name_of(rod)}: {size}, {rod.stations.name}, {rod.mass:g} kg")
     if model.supports:
         lines.append("  supports")
     for support in model.supports:
