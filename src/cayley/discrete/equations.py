@@ -7,6 +7,7 @@ from typing import Any
 from cayley.density import Density
 from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.embedded import constraint_program, point_program
+from cayley.discrete.forcing import force_program
 from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.program import Program
@@ -43,7 +44,10 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """A program by its name; implicit rules have "inertia_point" and "strain_point", or "fused"."""
+        """A program by its name; implicit rules have "inertia_point" and "strain_point", or "fused".
+
+        With non-conservative forces they have "force_point" and "node_force_point" too (see discrete.forcing).
+        """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
             if name == "fused":
@@ -52,6 +56,8 @@ class DiscreteEquations:
                 self._derived[name] = constrained_program(Writer(self), name)
             elif name == "constraint_point":
                 self._derived[name] = constraint_program(self.density, self.layout, self.rule.strain, varying)
+            elif "force_point" in name:
+                self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
             elif name.endswith("_point"):
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
