@@ -13,7 +13,7 @@ from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 
 NODE, STRAIN = "node", "strain"
 """Where a pair stands: at the nodes if it has no slope in it, else at the strain points of elements."""
-STILL, MOVING = "still", "moving"
+KINDS = STILL, MOVING = "still", "moving"
 """Whether F depends on velocities."""
 
 
@@ -169,4 +169,4 @@ def _pair(
     return (ca.densify(to_sx(np.atleast_1d(np.asarray(v, dtype=object)))) for v in (given, on))  # type: ignore
 
 
-__all__ = ["MOVING", "NODE", "STILL", "STRAIN", "Force", "rate", "trace_force"]
+__all__ = ["KINDS", "MOVING", "NODE", "STILL", "STRAIN", "Force", "rate", "trace_force"]

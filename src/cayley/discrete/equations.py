@@ -7,6 +7,7 @@ from typing import Any
 from cayley.density import Density
 from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.embedded import constraint_program, point_program
+from cayley.discrete.forced import ForcedWriter
 from cayley.discrete.forcing import force_program
 from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
@@ -61,8 +62,13 @@ class DiscreteEquations:
             elif name.endswith("_point"):
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
-                self._derived[name] = Writer(self).write(name)
+                self._derived[name] = (ForcedWriter if self.forced else Writer)(self).write(name)
         return self._derived[name]
+
+    @property
+    def forced(self) -> bool:
+        """Whether an explicit rule takes two sweeps a step and accounts for work (see discrete.forced)."""
+        return bool(self.rows.forced)
 
     @property
     def main_program(self) -> str:
@@ -93,6 +99,8 @@ class DiscreteEquations:
         for block in self.blocks:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
             words.append(f"{names} {'explicit' if block.linear else 'by Newton'}")
+        if self.forced:
+            words.append("velocities of forces by a predictor")
         count = self.density.constraints.numel()
         solved = f"; {count} multiplier{'s' * (count > 1)} an element, block tridiagonal, by Newton" if count else ""
         return "decoupled nodes; " + "; ".join(words) + solved
@@ -139,6 +147,11 @@ def derive(
             f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
             f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
         )
+    if density.constraints.numel() and density.force is not None and not rule.implicit:
+        raise ValueError(
+            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities with forces; "
+            f"use midpoint, screw_midpoint or galerkin(time=...)"
+        )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
@@ -147,9 +160,9 @@ def derive(
     if unknown:
         raise ValueError(f"varying names {unknown[0]!r}; inputs are {', '.join(candidates)}")
     uniforms = tuple(name for name in candidates if name not in set(varying))
-    rows = assign_rows(
-        layout, [name for name in candidates if name not in uniforms], rule.cell, interval=along is not None
-    )
+    others = [name for name in candidates if name not in uniforms]
+    forced = not rule.implicit and density.force is not None
+    rows = assign_rows(layout, others, rule.cell, interval=along is not None, forced=forced)
     rows = constrained_rows(rows, layout, density.constraints.numel())
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 

@@ -5,22 +5,24 @@ With slots s(u) of unknowns u and a rotation's own variation η, δp = ½ p η,
     δW = Σ f·δs = (Σ (∂s/∂u)ᵀ f)·δu,   ds/dt = ∂s/∂u u̇,   power = Σ f·ds/dt.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from cayley.density import Density
-from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
+from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap, zeros
 from cayley.density.force import MOVING, NODE, STILL, STRAIN
 from cayley.discrete.element import element_points
 from cayley.discrete.embedded import embedded_point, normalized
 from cayley.discrete.layout import Layout
+from cayley.discrete.node import node_point, tangent
+from cayley.discrete.polynomial import polynomial_points
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points
 
-Weighted = list[tuple[float, Mapping[str, Any]]]
+Weighted = Sequence[tuple[float, Mapping[str, Any]]]
 
 
 def pulled_forces(
@@ -87,6 +89,57 @@ def _turn(frame: ca.SX, change: ca.SX) -> ca.SX:
     return 0.5 * ca.vertcat(product[2, 1] - product[1, 2], product[0, 2] - product[2, 0], product[1, 0] - product[0, 1])
 
 
+def node_forcing(
+    density: Density, layout: Layout, node: Expression, rate: Expression, place: Mapping[str, Any], kind: str
+) -> Expression:
+    """Forces without slopes on a node per unit of its weight, left-trivialized, shape (dofs,).
+
+    Args:
+        density: the density, with or without a force.
+        layout: rows of a node.
+        node: its values, shape (rows,).
+        rate: its velocities, shape (dofs,).
+        place: "t", and the coordinate "here".
+        kind: "still" or "moving".
+    """
+    point = node_point(layout, node, density.lagrangian.interval, place)
+    point |= {f"{name}_t": rate[layout.dofs_of(name)] for name in layout.fields}
+    found = density.forces(NODE, kind, point)
+    return wrap(np.concatenate([found.get(name, zeros(field.size)) for name, field in layout.fields.items()]))
+
+
+def element_forcing(
+    density: Density,
+    points: Points,
+    layout: Layout,
+    ends: list[Expression],
+    rates: list[Expression],
+    place: Mapping[str, Any],
+    kind: str,
+) -> list[Expression]:
+    """Forces with slopes on the nodes of an element per unit of its length, left-trivialized, shape (dofs,) each.
+
+    Args:
+        density: the density, with a force.
+        points: where the strain terms stand.
+        layout: rows of a node.
+        ends: values at the nodes, m + 1 of shape (rows,).
+        rates: their velocities, m + 1 of shape (dofs,).
+        place: "inverse" 1/ds, "t", and the coordinates "left" and "right".
+        kind: "still" or "moving".
+    """
+    if len(ends) > 2:
+        found: Weighted = polynomial_points(density, points, layout, ends, place)
+    else:
+        found = element_points(density, points, layout, (ends[0], ends[1]), place)
+    tangents = [tangent(layout, end) for end in ends]
+    unknown = ca.vertcat(*[to_sx(end) for end in ends])
+    moving = ca.vertcat(*[t @ to_sx(v) for t, v in zip(tangents, rates, strict=True)])
+    pulled, _ = pulled_forces(density, STRAIN, kind, found, unknown, moving)
+    r = layout.rows
+    return [_column(t.T @ pulled[k * r : (k + 1) * r]) for k, t in enumerate(tangents)]
+
+
 def force_program(
     density: Density, layout: Layout, name: str, points: Points | None, varying: tuple[str, ...]
 ) -> Program:
@@ -123,7 +176,7 @@ def force_program(
     elif points is not None and points.between_ends:
         ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here + 1.0 / inverse)}
         both = normalized(layout, parts[0]), normalized(layout, parts[1])
-        found = element_points(density, points, layout, both, ends)  # type: ignore[assignment]
+        found = element_points(density, points, layout, both, ends)
     else:
         found = [(1.0, embedded_point(layout, parts[0], parts[1], along) | place)]
     unknown, moving = (ca.vertcat(*[to_sx(v) for v in values]) for values in (parts, rates))
@@ -150,4 +203,4 @@ def _column(value: ca.SX) -> Expression:
     return wrap(np.atleast_1d(from_sx(ca.densify(value))))
 
 
-__all__ = ["force_program", "pulled_forces"]
+__all__ = ["element_forcing", "force_program", "node_forcing", "pulled_forces"]
