@@ -11,8 +11,9 @@ import numpy as np
 
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 
-NODE, STRAIN = "node", "strain"
-"""Where a pair stands: at the nodes if it has no slope in it, else at the strain points of elements."""
+NODE, STRAIN, SPREAD = "node", "strain", "spread"
+"""Where a pair stands: at the nodes if it has no slope in it, else at the strain points of elements, as an internal
+force (STRAIN) if e has slopes, as an outer one (SPREAD) if only F has."""
 KINDS = STILL, MOVING = "still", "moving"
 """Whether F depends on velocities."""
 
@@ -23,16 +24,16 @@ class Force:
 
     Args:
         rates: d/dt of every derivative along the interval ("x_s", "p_s"), as symbols; for rotations dΩ/dt.
-        terms: (place, kind) -> slot -> f, a column; place is NODE or STRAIN, kind STILL or MOVING.
+        terms: (place, kind) -> slot -> f, a column; place is NODE, STRAIN or SPREAD, kind STILL or MOVING.
     """
 
     rates: Mapping[str, Expression]
     terms: Mapping[tuple[str, str], Mapping[str, ca.SX]]
     _cache: dict = field(default_factory=dict, repr=False)
 
-    def has(self, place: str | None = None, kind: str | None = None) -> bool:
-        """Tell whether there is any force of a place and a kind."""
-        return any(place in (None, p) and kind in (None, k) for p, k in self.terms)
+    def between_nodes(self, kind: str) -> bool:
+        """Tell whether any force of a kind stands at strain points."""
+        return (STRAIN, kind) in self.terms or (SPREAD, kind) in self.terms
 
     @property
     def columns(self) -> list[ca.SX]:
@@ -113,13 +114,12 @@ def trace_force(
             raise ValueError(
                 f"{where}, its pair {k}: the quantity depends on a velocity; it may depend on fields and slopes only"
             )
-        both = ca.vertcat(force, quantity)
-        at_strain = bool(slopes) and (
-            ca.depends_on(both, varied) or ca.depends_on(force, ca.vertcat(*[to_sx(r) for r in rates.values()]))
-        )
-        own = sums.setdefault(
-            (STRAIN if at_strain else NODE, MOVING if ca.depends_on(force, velocities) else STILL), {}
-        )
+        place = NODE
+        if slopes and ca.depends_on(quantity, varied):
+            place = STRAIN
+        elif slopes and ca.depends_on(force, ca.vertcat(varied, *[to_sx(r) for r in rates.values()])):
+            place = SPREAD
+        own = sums.setdefault((place, MOVING if ca.depends_on(force, velocities) else STILL), {})
         for name in (*fields, *slopes):
             pulled = ca.jacobian(quantity, to_sx(slots[name])).T @ force
             if not pulled.is_zero():
@@ -169,4 +169,4 @@ def _pair(
     return (ca.densify(to_sx(np.atleast_1d(np.asarray(v, dtype=object)))) for v in (given, on))  # type: ignore
 
 
-__all__ = ["KINDS", "MOVING", "NODE", "STILL", "STRAIN", "Force", "rate", "trace_force"]
+__all__ = ["KINDS", "MOVING", "NODE", "SPREAD", "STILL", "STRAIN", "Force", "rate", "trace_force"]

@@ -85,7 +85,7 @@ class Density:
         """Non-conservative forces f at a point, δW = Σ f·δ(slot); those of a rotation's own slot are body moments.
 
         Args:
-            place: "node" or "strain".
+            place: "node", "strain" or "spread".
             kind: "still" or "moving".
             point: see gradient; velocities too, and "rate of SLOT" for derivatives along the interval.
 
@@ -342,7 +342,7 @@ def _force(
             places=places,
             along=lagrangian.interval,
         )
-    return found if found.has() else None
+    return found if found.terms else None
 
 
 def _constants(constants: Mapping[str, Any], where: str) -> tuple[list[tuple[str, ca.SX, float]], dict[str, Any]]:

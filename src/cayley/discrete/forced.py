@@ -16,12 +16,12 @@ from typing import Any
 import casadi as ca
 
 from cayley.density.expression import Expression, symbols, to_sx, wrap, zeros
-from cayley.density.force import MOVING, STILL, STRAIN
+from cayley.density.force import KINDS, MOVING, STILL
 from cayley.discrete.forcing import element_forcing, node_forcing
 from cayley.discrete.node import node_point
 from cayley.discrete.program import Assign, Program, Step
 from cayley.discrete.solve import side_by_side
-from cayley.discrete.writer import Writer
+from cayley.discrete.writer import Writer, where_element
 
 Columns = list[Any]
 """A column for every node of a cell."""
@@ -29,8 +29,6 @@ Columns = list[Any]
 
 class ForcedWriter(Writer):
     """Writes the programs "predict", "step", "step_held" and "kick" of equations with forces (see rows.forced)."""
-
-    _reads: list[tuple[ca.SX, int, int]]  # what the program written reads of these rows
 
     def write(self, name: str) -> Program:
         """Write one program."""
@@ -81,6 +79,20 @@ class ForcedWriter(Writer):
         stores += [*self._at(self.rows.momenta, left), *self._stores("rate", found)]
         return self._program("kick", [*steps, *solved], stores, self._reads)
 
+    def _observe_element(self) -> tuple[ca.SX, dict[str, Expression]]:
+        """As without forces; those on the two nodes with stresses that the Lagrangian has not, at velocities v*."""
+        energy, outputs = super()._observe_element()
+        force, length = self.density.force, wrap(self.symbol["length"])
+        rates, after = self._rates("predicted")
+        for kind in KINDS:
+            if force is not None and force.between_nodes(kind):
+                points, place, both = self.rule.strain, self._place(), [*rates, after]
+                ends = [self.nodes[0], self.next]
+                found = element_forcing(self.density, points, self.layout, ends, both, place, kind, internal=True)
+                for name, more in zip(("left", "right"), found, strict=True):
+                    outputs[name] = wrap(outputs[name] + where_element(length, more * length))
+        return energy, outputs
+
     def _kicks(self) -> tuple[list[Step], Columns, list[tuple[int, ca.SX]]]:
         """Steps that find h × all forces with velocities v*, these, and what is stored of their work."""
         rates, after = self._rates("predicted")
@@ -111,7 +123,7 @@ class ForcedWriter(Writer):
             node_forcing(self.density, self.layout, self.nodes[k], rates[k], self._place(k), kind) * self._weights(k)[0]
             for k in self.cell
         ]
-        if force is None or not force.has(STRAIN, kind):
+        if force is None or not force.between_nodes(kind):
             return [], own
         points, ends = self.rule.strain, [*self.nodes, self.next]
         forces = element_forcing(self.density, points, self.layout, ends, [*rates, after], self._place(), kind)

@@ -5,6 +5,7 @@ With slots s(u) of unknowns u and a rotation's own variation η, δp = ½ p η,
     δW = Σ f·δs = (Σ (∂s/∂u)ᵀ f)·δu,   ds/dt = ∂s/∂u u̇,   power = Σ f·ds/dt.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from cayley.density import Density
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap, zeros
-from cayley.density.force import MOVING, NODE, STILL, STRAIN
+from cayley.density.force import KINDS, MOVING, NODE, SPREAD, STILL, STRAIN
 from cayley.discrete.element import element_points
 from cayley.discrete.embedded import embedded_point, normalized
 from cayley.discrete.layout import Layout
@@ -32,7 +33,7 @@ def pulled_forces(
 
     Args:
         density: the density, with a force.
-        place: "node" or "strain".
+        place: "node", "strain" or "spread".
         kind: "still" or "moving".
         points: (weight, values of the slots as expressions of the unknowns) pairs.
         unknown: the unknowns u, a column of symbols.
@@ -116,6 +117,8 @@ def element_forcing(
     rates: list[Expression],
     place: Mapping[str, Any],
     kind: str,
+    *,
+    internal: bool = False,
 ) -> list[Expression]:
     """Forces with slopes on the nodes of an element per unit of its length, left-trivialized, shape (dofs,) each.
 
@@ -127,6 +130,7 @@ def element_forcing(
         rates: their velocities, m + 1 of shape (dofs,).
         place: "inverse" 1/ds, "t", and the coordinates "left" and "right".
         kind: "still" or "moving".
+        internal: only those whose quantity has slopes: stresses.
     """
     if len(ends) > 2:
         found: Weighted = polynomial_points(density, points, layout, ends, place)
@@ -135,7 +139,9 @@ def element_forcing(
     tangents = [tangent(layout, end) for end in ends]
     unknown = ca.vertcat(*[to_sx(end) for end in ends])
     moving = ca.vertcat(*[t @ to_sx(v) for t, v in zip(tangents, rates, strict=True)])
-    pulled, _ = pulled_forces(density, STRAIN, kind, found, unknown, moving)
+    pulled = ca.SX.zeros(unknown.shape)
+    for where in (STRAIN,) if internal else (STRAIN, SPREAD):
+        pulled += pulled_forces(density, where, kind, found, unknown, moving)[0]
     r = layout.rows
     return [_column(t.T @ pulled[k * r : (k + 1) * r]) for k, t in enumerate(tangents)]
 
@@ -180,11 +186,11 @@ def force_program(
     else:
         found = [(1.0, embedded_point(layout, parts[0], parts[1], along) | place)]
     unknown, moving = (ca.vertcat(*[to_sx(v) for v in values]) for values in (parts, rates))
-    where = NODE if at_node else STRAIN
-    still, work = pulled_forces(density, where, STILL, found, unknown, moving)
-    dragging, power = pulled_forces(density, where, MOVING, found, unknown, moving)
-    f = ca.densify(still + dragging)
-    outputs = [*ca.vertsplit(f), work, -power]
+    f, powers = ca.SX.zeros(unknown.shape), dict.fromkeys(KINDS, ca.SX(0))
+    for where, kind in itertools.product((NODE,) if at_node else (STRAIN, SPREAD), KINDS):
+        force, power = pulled_forces(density, where, kind, found, unknown, moving)
+        f, powers[kind] = f + force, powers[kind] + power
+    outputs = [*ca.vertsplit(ca.densify(f)), powers[STILL], -powers[MOVING]]
     if not light:
         outputs += ca.vertsplit(ca.vec(ca.densify(ca.jacobian(f, ca.vertcat(unknown, moving))).T))
     constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))

@@ -27,8 +27,11 @@ class Writer:
     next lane; the last node of a chain is in a cell of length 0, whose other nodes weigh nothing and stay at rest.
     """
 
+    _reads: list[tuple[ca.SX, int, int]]  # what the program written reads besides what all do
+
     def __init__(self, equations: "DiscreteEquations") -> None:
         """Make the symbols."""
+        self._reads = []
         self.density, self.rule, self.layout = equations.density, equations.rule, equations.layout
         self.rows, self.uniforms = equations.rows, equations.uniforms
         self.interval = self.density.lagrangian.interval is not None
@@ -116,7 +119,7 @@ class Writer:
         own = [symbols(label + n, self.layout.dofs) for n in words]
         carried = symbols(label + "carried", self.layout.dofs)
         still = [all(to_sx(force[i]).is_zero() for force in forces) for i in range(self.layout.dofs)]
-        values = [entry for force in forces for entry in _entries(_where_element(scale, force * scale))]
+        values = [entry for force in forces for entry in _entries(where_element(scale, force * scale))]
         steps: list[Step] = [Assign(tuple(_all(own)), tuple(values))]
         moving = [i for i in range(self.layout.dofs) if not still[i]]
         rows = _range(carried_rows)
@@ -187,7 +190,7 @@ class Writer:
         outputs["energies"] = energies
         pairs = [(self.rows.observed[n], _all(values)) for n, values in outputs.items()]
         stores = [pair for rows, values in pairs for pair in zip(_range(rows), values, strict=True)]
-        return self._program("observe", steps, stores)
+        return self._program("observe", steps, stores, self._reads)
 
     def _observe_node(self, k: int) -> tuple[list[Step], dict[str, Expression]]:
         """Steps that find the velocity of node k, and velocity, load and energies there."""
@@ -224,11 +227,11 @@ class Writer:
         ends, length = (self.nodes[0], self.next), wrap(self.symbol["length"])
         left, right = element_forces(self.density, strain_at, layout, ends, place)
         strain = wrap(element_energy(self.density, strain_at, layout, ends, place)) * length
-        outputs = {"left": _where_element(length, left * length), "right": _where_element(length, right * length)}
+        outputs = {"left": where_element(length, left * length), "right": where_element(length, right * length)}
         at = element_points(self.density, strain_at, layout, ends, place)[0][1]
         along = self.density.lagrangian.interval
         outputs["slopes"] = wrap(np.concatenate([at[f"{name}_{along}"] for name in layout.fields]))
-        return _scalar(_where_element(length, strain)), outputs
+        return _scalar(where_element(length, strain)), outputs
 
 
 def wrap_column(value: ca.SX) -> Expression:
@@ -245,7 +248,7 @@ def _all(values: Sequence[Any]) -> list[ca.SX]:
     return [entry for value in values for entry in _entries(value)]
 
 
-def _where_element(length: Expression, value: Expression) -> Expression:
+def where_element(length: Expression, value: Expression) -> Expression:
     """The value where there is an element, zero behind the last node of a chain (where it may be 0/0)."""
     one = length.view(np.ndarray).item()
     chosen = [e if e.is_zero() else ca.if_else(one != 0, e, 0) for e in _entries(wrap(np.atleast_1d(value)))]

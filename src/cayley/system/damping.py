@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import Expression, symbols, to_sx, wrap
-from cayley.density.force import KINDS, STRAIN
+from cayley.density.force import KINDS
 from cayley.discrete.forcing import element_forcing, node_forcing
 from cayley.discrete.node import tangent
 from cayley.system.system import System
@@ -38,7 +38,7 @@ def forced_matrices(
     of_node, of_element = ca.SX.zeros(layout.dofs), zero
     for kind in KINDS:
         of_node += to_sx(node_forcing(density, layout, ends[0], moving[0], place, kind)) * to_sx(names["weight"])
-        if density.force is not None and density.force.has(STRAIN, kind):
+        if density.force is not None and density.force.between_nodes(kind):
             found = element_forcing(density, equations.rule.strain, layout, ends, moving, place, kind)
             of_element += ca.vertcat(*[to_sx(f) for f in found]) * to_sx(names["length"])
     turn = ca.diagcat(*[tangent(layout, end) for end in ends])

@@ -52,7 +52,13 @@ def test_rate_of_a_strain_is_its_derivative_along_a_motion():
 
 def test_pairs_are_sorted_by_place_and_kind():
     def force(q, c):
-        return [(-c.k * q.x_t, q.x), (np.sin(q.t) * E3, q.p), (-cy.rate(q.p_s), q.p_s), (q.p.rotate(E3), q.x_s)]
+        return [
+            (-c.k * q.x_t, q.x),
+            (np.sin(q.t) * E3, q.p),
+            (-cy.rate(q.p_s), q.p_s),
+            (q.p.rotate(E3), q.x_s),
+            (q.x_s, q.x),
+        ]
 
     density = density_of(force, k=0.5)
     terms = {key: set(own) for key, own in density.force.terms.items()}
@@ -61,6 +67,7 @@ def test_pairs_are_sorted_by_place_and_kind():
         ("node", "still"): {"p"},
         ("strain", "moving"): {"p_s"},
         ("strain", "still"): {"x_s"},
+        ("spread", "still"): {"x"},
     }
     assert density.timed
     assert_allclose(numbers(density.force.terms["node", "moving"]["x"], density, x_t=[1.0, 2.0, 3.0]), [-0.5, -1, -1.5])
