@@ -20,6 +20,7 @@ class Lagrangian:
         pose: a rotation and a vector of size 3 that together are the pose of a frame, for the screw rules; or None.
         constraint: function (q, c) -> g(q, q′, s), zero at the strain points of every element; or None.
         defaults: constants that need not be given, with their values.
+        force: function (q, c) -> pairs (F, e) of non-conservative forces, δW = Σ F·δe; or None.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), section 4.
     """
@@ -31,6 +32,7 @@ class Lagrangian:
     pose: tuple[str, str] | None = None
     constraint: Callable[[Any, Any], Any] | None = None
     defaults: Mapping[str, Any] = field(default_factory=dict)
+    force: Callable[[Any, Any], Any] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -53,6 +55,7 @@ def lagrangian(
     pose: tuple[str, str] | None = None,
     constraint: Callable[[Any, Any], Any] | None = None,
     defaults: Mapping[str, Any] | None = None,
+    force: Callable[[Any, Any], Any] | None = None,
     **fields: Any,
 ) -> Callable[[Callable[[Any, Any], Any]], Lagrangian]:
     """Declare the fields of a Lagrangian written as a function of q and c.
@@ -65,6 +68,9 @@ def lagrangian(
         constraint: function (q, c) of fields and their derivatives along the interval, a number or a vector, kept zero
             at the strain points of every element by Lagrange multipliers; just for a density on an interval.
         defaults: values of the constants that may be left out.
+        force: function (q, c) that returns a list of pairs (F, e): the force F, which may depend on velocities and on
+            cy.rate of anything, works on the quantity e of fields and slopes, δW = Σ F·δe [J/m; without an interval J].
+            With a rotation itself as e, (M, q.p), M is a moment in the body frame.
         fields: name=cy.Rotation(), name=cy.Vector(n), and at most one name=cy.Interval.
 
     Returns: a decorator that makes a Lagrangian of the function.
@@ -96,11 +102,15 @@ def lagrangian(
     if constraint is not None and interval is None:
         raise TypeError("lagrangian: a constraint needs an interval, on whose elements it holds; declare s=cy.Interval")
 
+    for word, given in (("constraint", constraint), ("force", force)):
+        if given is not None and (not callable(given) or len(inspect.signature(given).parameters) != 2):
+            raise TypeError(f"lagrangian: {word} is {given!r}; give a function of (q, c)")
+
     def decorate(function: Callable[[Any, Any], Any]) -> Lagrangian:
         if not callable(function) or len(inspect.signature(function).parameters) != 2:
             raise TypeError(f"lagrangian: {function!r} must be a function of (q, c)")
         name = getattr(function, "__name__", "L")
-        made = Lagrangian(function, declared, interval, name, pose, constraint, defaults or {})
+        made = Lagrangian(function, declared, interval, name, pose, constraint, defaults or {}, force)
         twice = sorted(n for n in set(made.names) if made.names.count(n) > 1)
         if twice:
             raise TypeError(f"lagrangian {made.name}: the name {twice[0]} has two meanings; rename a field")

@@ -75,6 +75,26 @@ def polynomial_forces(
     return forces
 
 
+def polynomial_points(
+    density: Density, points: Points, layout: Layout, nodes: list[Expression], place: Mapping[str, Any]
+) -> list[tuple[float, dict[str, Any]]]:
+    """Weight and values of every slot at the Gauss points of an element; arguments as of polynomial_forces."""
+    along = str(density.lagrangian.interval)
+    values, slopes = lagrange(lobatto(len(nodes) - 1), points.at)
+    controls = {name: _controls(layout, name, nodes) for name in layout.fields}
+    found = []
+    for weight, at, phi, slope in zip(points.weights, points.at, values, slopes, strict=True):
+        point: dict[str, Any] = {"t": place["t"], along: place["left"] + at / place["inverse"]}
+        for name, own in controls.items():
+            z, dz = _polynomial(own, phi), _polynomial(own, slope * place["inverse"], derivative=True)
+            if name in layout.rotations:
+                turn = _Turn.of(z, dz)
+                z, dz = _frame(layout, name, nodes, turn), 2.0 * turn.half
+            point[f"frame of {name}" if name in layout.rotations else name], point[f"{name}_{along}"] = z, dz
+        found.append((weight, point))
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class _Turn:
     """A rotation at a point of an element: z, 1/‖z‖² and z⁻¹z′ = growth + half, half = ½Ω."""

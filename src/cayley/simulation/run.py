@@ -61,9 +61,9 @@ def run(
     received = [_Block.of(begin)]
     stepper = stepper_of(system)
 
-    def receive(stride: int, values: np.ndarray, momenta: np.ndarray) -> None:
+    def receive(stride: int, values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
         numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))
-        received.append(_Block(numbers, values, momenta))
+        received.append(_Block(numbers, values, momenta, work))
 
     stepper.prepare(system)
     started = clock.perf_counter()
@@ -87,10 +87,12 @@ class _Block:
     steps: np.ndarray
     values: np.ndarray
     momenta: np.ndarray
+    work: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State) -> "_Block":
-        return cls(np.array([state.step]), state.values[None], state.momenta[None])
+        work = None if state.work is None else state.work[None]
+        return cls(np.array([state.step]), state.values[None], state.momenta[None], work)
 
 
 def _frames(blocks: Sequence[_Block], start: State, memory: np.ndarray | None) -> Frames:
@@ -103,7 +105,17 @@ def _frames(blocks: Sequence[_Block], start: State, memory: np.ndarray | None) -
         origin=start.origin,
         h=start.h,
         memory=memory,
+        work=_work(blocks),
     )
+
+
+def _work(blocks: Sequence[_Block]) -> np.ndarray | None:
+    """Work and loss at all frames; none at the start, unless the run goes on from one that had some."""
+    found = [block.work for block in blocks if block.work is not None]
+    if not found:
+        return None
+    shape = found[-1].shape[1:]
+    return np.concatenate([np.zeros((len(b.steps), *shape)) if b.work is None else b.work for b in blocks])
 
 
 def _step_size(system: System, state: State, dt: float | None, span: float, *, allow_unstable: bool) -> float:
