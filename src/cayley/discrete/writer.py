@@ -227,6 +227,8 @@ class Writer:
         """Strain energy of an element between two nodes; its forces on them and its slopes."""
         place, layout = self._place(), self.layout
         strain_at = self.rule.strain if self.rule.degree == 1 else MIDDLE  # results.interpolated does higher degrees
+        if "at points" in place:
+            place["at points"] = place["at points"][: len(strain_at.at)]
         ends, length = (self.nodes[0], self.next), wrap(self.symbol["length"])
         left, right = element_forces(self.density, strain_at, layout, ends, place)
         strain = wrap(element_energy(self.density, strain_at, layout, ends, place)) * length

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cayley.codegen.kernels import Kernel
+from cayley.discrete.places import name_at
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points, lagrange, lobatto
 from cayley.system.system import State, System, aligned
@@ -140,13 +141,20 @@ def in_space(strain: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
 
 
 def _constants(system: System, nodes: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """Coordinate, 1/length and what varies, of points that are ``along`` from nodes, shape (cells, gauss, constants)."""
+    """Coordinate, 1/length and what varies, of points that are ``along`` from nodes, shape (cells, gauss, constants).
+
+    Constants with values of their own at each point of an element have a name for each (see discrete.places).
+    """
     equations, size = system.equations, system.size
     known = dict(zip(equations.uniforms, system.uniforms, strict=True))
     inverse = system.named.get("inverse", np.full(size, known.get("inverse", 1.0)))
-    varying = [system.named[n] for n in equations.density.names if n in equations.varying]
     here = system.named.get("here", np.zeros(size))[nodes] + along
-    return np.stack([here, *(values[nodes] for values in (inverse, *varying))], axis=-1)
+    found = [here, inverse[nodes]]
+    for name in equations.density.names:
+        if name in equations.varying:
+            by_point = [system.named.get(name_at(name, g), system.named[name]) for g in range(nodes.shape[1])]
+            found.append(np.stack([values[nodes[:, g]] for g, values in enumerate(by_point)], axis=1))
+    return np.stack(found, axis=-1)
 
 
 def term_arrays(plan: "Plan", cells: Cells) -> dict[str, Any]:
