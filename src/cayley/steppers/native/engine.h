@@ -71,6 +71,8 @@ struct coupling {
     i64 *driver;         /* which driven cell it is, or -1, [blocks * LANES] */
     i64 driven;          /* number of driven cells */
     double *drive;       /* [steps][controls][driven][drives] */
+    double *drive_rate;  /* at saved frames, [saves][driven][drives] */
+    double *slopes;      /* left-trivialized derivatives at the first control, [blocks][gauss * count][width][dofs][LANES] */
     i64 multiplier_row;  /* where multipliers stand */
     i64 count;           /* constraints of a point */
     i64 value;           /* row of g */
@@ -130,6 +132,7 @@ struct problem {
     i64 *pivots;
     double *unknown;     /* right-hand side, then correction */
     double *taken;       /* the last accepted correction */
+    double *mass;        /* mass matrices, [nodes + 1][dofs][dofs padded to whole vectors] */
     i64 unknowns;
     double *cells;       /* room of a block of cells */
     double *table;       /* loads at the stages, [steps][stages][columns] */
@@ -148,6 +151,36 @@ struct problem {
     double *history;     /* (relative correction, residual) of the last iterations, [history_size][2] */
     i64 history_size;
     double *energy;      /* work of loads, work of forces (negative: dissipated), [2] */
+};
+
+/* A run of a rule with corners in time and constraints; the problem holds the nodes that constraints know, with r = 1. */
+struct explicit_run {
+    struct problem *problem;
+    i64 kick;            /* kernel: adds h times the forces to the momenta */
+    i64 kick_setup;
+    i64 drift;           /* kernel: from momenta to the values and momenta of the next time */
+    i64 drift_setup;
+    i64 predict;         /* kernel: velocities for forces that depend on them, or 0 */
+    i64 predict_setup;
+    double *uniforms;    /* [3][width], h and the two times first */
+    i64 width;
+    double *data;        /* [blocks + 2][rows][LANES] */
+    i64 blocks;
+    i64 rows;
+    i64 kept;            /* rows of a frame */
+    i64 *slot;           /* (block, lane, first row of its values, of its momenta) of every node, [nodes][4] */
+    i64 *spans;          /* (first block, last block, whether constraints know it), [span_count][3] */
+    i64 span_count;
+    double *saved;       /* room, as data */
+    double *given;       /* momenta after the kick, [nodes + 1][dofs] */
+    double *table;       /* loads at the times, [steps + 1][columns] */
+    i64 columns;
+    i64 *entries;        /* (block, lane, row, row of rotation, form, column), [entry_count][6] */
+    double *scales;
+    i64 entry_count;
+    i64 *fixed;          /* (block, row, lane) of momenta that stay zero, [fixed_count][3] */
+    i64 fixed_count;
+    double *frames;      /* [saves][blocks][kept][LANES] */
 };
 
 /* blocks.c */
@@ -180,6 +213,9 @@ void add_loads(struct problem *p, i64 number, double h);
 
 /* couplings.c */
 void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent);
-i64 project(struct problem *p, i64 number, double time, double h);
+double violations(struct problem *p, i64 number, i64 i, double time);
+i64 saddle_point(struct problem *p, i64 number, i64 i, double time);
+void push_multipliers(struct problem *p, double h, double *out);
+i64 project(struct problem *p, i64 number, i64 i, i64 save, double time, double h);
 
 #endif

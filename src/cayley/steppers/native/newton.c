@@ -141,7 +141,7 @@ static void start_multipliers(struct problem *p)
 static void start_from_momenta(struct problem *p, double time, double h)
 {
     i64 dofs = p->dofs, stride = (dofs + LANES - 1) / LANES * LANES, pivots[dofs];
-    double *mass = p->taken, *x = p->unknown;
+    double *mass = p->mass, *x = p->unknown;
     stand_still(p);
     mass_matrices(p, time, mass);
     for (i64 n = 0; n < p->nodes; n++) {
@@ -236,7 +236,7 @@ i64 advance(struct problem *p, i64 *reached)
         for (i64 j = 0; j < p->stride; j++) {
             i64 number = *reached * p->stride + j;
             if (!step(p, number, p->origin + (p->first + (double)number) * p->h)) {
-                i64 block = p->couplings ? project(p, number, p->origin + p->h * (p->first + (double)number), p->h) : 0;
+                i64 block = p->couplings ? saddle_point(p, number, 0, p->origin + p->h * (p->first + (double)number)) : 0;
                 if (!block) return NOT_CONVERGED;
                 p->counts[3] = block - 1;
                 return REDUNDANT;
@@ -244,7 +244,8 @@ i64 advance(struct problem *p, i64 *reached)
         }
         i64 number = (*reached + 1) * p->stride;
         if (p->couplings) {
-            i64 block = project(p, number - 1, p->origin + p->h * (p->first + (double)number), p->h);
+            double time = p->origin + p->h * (p->first + (double)number);
+            i64 block = project(p, number - 1, p->stages, *reached, time, p->h);
             if (block) {
                 p->counts[3] = block - 1;
                 return REDUNDANT;
