@@ -1,4 +1,4 @@
-"""Joints g(q_a, q_b, t) = 0 between two nodes, or a node and the ground: their programs for implicit and explicit rules.
+"""Joints g(q_a, q_b, t) = 0 between two nodes, or a node and the ground: the programs that evaluate them.
 
 A joint has a point and a frame on either side: P = x + Λ(p) o, F = p f. With A the side the other is measured from,
 
@@ -35,7 +35,7 @@ def _point(parts: Parts, *axes: int) -> list[Expression]:
 
 def _turned(parts: Parts) -> list[Expression]:
     """2 Im u: no relative rotation."""
-    return [2.0 * parts[1][k] for k in (1, 2, 3)]
+    return [wrap(2.0 * parts[1][k]) for k in (1, 2, 3)]
 
 
 def _aligned(parts: Parts) -> list[Expression]:
@@ -60,7 +60,19 @@ KINDS: dict[str, Callable[[Parts], list[Expression]]] = {
     "planar": lambda parts: _point(parts, 2) + _aligned(parts),
 }
 """What each kind keeps at zero; "link" has its own form below."""
-COUNTS = {"weld": 6, "ball": 3, "hinge": 5, "universal": 4, "slider": 5, "cylindrical": 4, "planar": 3, "link": 1}
+_PLACE, _TURN = ("along e1", "along e2", "along e3"), ("about e1", "about e2", "about e3")
+DIRECTIONS: dict[str, tuple[str, ...]] = {
+    "weld": (*_PLACE, *_TURN),
+    "ball": _PLACE,
+    "hinge": (*_PLACE, "about e2", "about e1"),
+    "universal": (*_PLACE, "about e1 x e2"),
+    "slider": (*_PLACE[:2], *_TURN),
+    "cylindrical": (*_PLACE[:2], "about e2", "about e1"),
+    "planar": ("along e3", "about e2", "about e1"),
+    "link": ("along the link",),
+}
+"""What each constraint of a kind prevents, seen in the joint frame."""
+COUNTS = {kind: len(words) for kind, words in DIRECTIONS.items()}
 """Number of constraints of each kind."""
 DRIVE = 7
 """Numbers of a prescribed motion: d [m], then the quaternion r."""
