@@ -13,7 +13,8 @@ from cayley.discrete.layout import Layout
 from cayley.discrete.rules import Rule
 from cayley.model import Model, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
-from cayley.system.compile import chain_arrays, chain_nodes, uniform_values
+from cayley.system.compile import uniform_values
+from cayley.system.rod_arrays import rod_arrays
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
 
@@ -31,29 +32,25 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     Returns: the System; its nodes are those of the rods, one rod after the other.
     """
     rods = model.rods
-    library_density = _KINEMATICS[_one_kinematics(rods)][0]
+    library_density = _KINEMATICS[_one_kinematics(rods)]
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
-    constants = [_rod_constants(rod, gravity) for rod in rods]
-    pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
-    density = trace(library_density, pattern)
-    entries = {name: np.array([_entry(c, name) for c in constants]) for name in density.names}
-    inverse = np.array([1.0 / rod.element_length for rod in rods])
+    parts = [rod_arrays(rod, rule, gravity) for rod in rods]
+    constants = {name: np.concatenate([part.constants[name] for part in parts]) for name in parts[0].constants}
+    density = trace(library_density, {name: _pattern(values) for name, values in constants.items()})
+    entries = {name: _entry(constants, name) for name in density.names}
+    named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
+    entries["inverse"] = named.pop("inverse")
     varying = [name for name, values in entries.items() if np.any(values != values[0])]
-    varying += ["inverse"] if np.any(inverse != inverse[0]) else []
     equations = derive(density, rule, rotation=rotation, varying=varying)
-    places = [chain_nodes(np.asarray(rod.nodes), rule.degree) for rod in rods]
-    counts = [len(place) for place in places]
-    chains = [chain_arrays(place, rule.degree) for place in places]
-    named = {name: np.concatenate([chain[name] for chain in chains]) for name in chains[0]}
-    named |= {name: np.repeat(entries[name] if name != "inverse" else inverse, counts) for name in varying}
-    layout = equations.layout
+    named |= {name: entries[name] for name in varying}
+    layout, counts = equations.layout, [part.size for part in parts]
     reference = np.zeros((sum(counts), layout.rows))
-    for rod, place, nodes in zip(rods, places, spans(model, rule.degree), strict=True):
-        reference[nodes, layout.rows_of("x")] = np.array(rod.origin) + np.outer(place, rod.direction)
-        reference[nodes, layout.rows_of("p")] = layout.representation.from_quaternion(np.asarray(rod.rotation))
-    first = {name: float(values[0]) for name, values in entries.items()} | {"inverse": float(inverse[0])}
+    reference[:, layout.rows_of("x")] = np.concatenate([part.position for part in parts])
+    turned = np.concatenate([part.rotation for part in parts])
+    reference[:, layout.rows_of("p")] = layout.representation.from_quaternion(turned)
+    first = {name: float(values[0]) for name, values in entries.items()}
     return System(
         equations=equations,
         kernels=Kernels(equations, lanes_for(rule.cell, sum((count - 1) // rule.cell + 1 for count in counts))),
@@ -135,11 +132,11 @@ def _nodal(value: Any, nodes: np.ndarray, width: int, where: str) -> np.ndarray:
 
 
 _KINEMATICS = {
-    "shearable": (library.rod, 0),
-    "unshearable": (library.unshearable_rod, 2),
-    "inextensible": (library.inextensible_rod, 3),
+    "shearable": library.rod,
+    "unshearable": library.unshearable_rod,
+    "inextensible": library.inextensible_rod,
 }
-"""The density of each kinematics, and how many of the six strains are constrained, the first ones."""
+"""The density of each kinematics."""
 
 
 def _one_kinematics(rods: Sequence[Rod]) -> str:
@@ -154,26 +151,15 @@ def _one_kinematics(rods: Sequence[Rod]) -> str:
     return found[0]
 
 
-def _rod_constants(rod: Rod, gravity: np.ndarray) -> dict[str, np.ndarray]:
-    section = rod.section
-    constrained = _KINEMATICS[rod.kinematics][1]
-    return {
-        "mass": np.asarray(section.mass_per_length, dtype=float),
-        "inertia": np.asarray(section.inertia, dtype=float),
-        "stiffness": np.asarray(section.stiffness, dtype=float)[constrained:, constrained:],
-        "gravity": gravity,
-    }
+def _pattern(values: np.ndarray) -> np.ndarray:
+    """Values that are equal everywhere; else one that is zero only where all are, shape of one of them."""
+    return values[0] if np.all(values == values[0]) else np.abs(values).max(axis=0)
 
 
-def _union(arrays: list[np.ndarray]) -> np.ndarray:
-    """Non-zero where any is; of equal arrays, the array itself."""
-    return arrays[0] if all(np.array_equal(a, arrays[0]) for a in arrays) else sum(np.abs(a) for a in arrays)
-
-
-def _entry(constants: Mapping[str, np.ndarray], label: str) -> float:
-    """The number behind a label such as 'c.stiffness[0,1]'."""
+def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:
+    """The numbers behind a label such as 'c.stiffness[0,1]', shape (nodes,)."""
     name, _, index = label.removeprefix("c.").rstrip("]").partition("[")
-    return float(constants[name][tuple(int(i) for i in index.split(",") if i)])
+    return constants[name][(slice(None), *(int(i) for i in index.split(",") if i))]
 
 
 def _free(model: Model, layout: Layout, degree: int) -> np.ndarray:
