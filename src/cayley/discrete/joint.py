@@ -58,6 +58,9 @@ KINDS: dict[str, Callable[[Parts], list[Expression]]] = {
     "slider": lambda parts: _point(parts, 0, 1) + _turned(parts),
     "cylindrical": lambda parts: _point(parts, 0, 1) + _aligned(parts),
     "planar": lambda parts: _point(parts, 2) + _aligned(parts),
+    "guide": lambda parts: _point(parts, 0, 1),
+    "roller": lambda parts: _point(parts, 2),
+    "orientation": _turned,
 }
 """What each kind keeps at zero; "link" has its own form below."""
 _PLACE, _TURN = ("along e1", "along e2", "along e3"), ("about e1", "about e2", "about e3")
@@ -70,6 +73,9 @@ DIRECTIONS: dict[str, tuple[str, ...]] = {
     "cylindrical": (*_PLACE[:2], "about e2", "about e1"),
     "planar": ("along e3", "about e2", "about e1"),
     "link": ("along the link",),
+    "guide": _PLACE[:2],
+    "roller": ("along e3",),
+    "orientation": _TURN,
 }
 """What each constraint of a kind prevents, seen in the joint frame."""
 COUNTS = {kind: len(words) for kind, words in DIRECTIONS.items()}

@@ -25,6 +25,9 @@ FREE = {  # motions of side B each kind allows, seen from side A: (translation, 
     "slider": [((0, 0, -3.0), (0, 0, 0))],
     "cylindrical": [((0, 0, -3.0), (0, 0, 1.3))],
     "planar": [((1.0, -2.0, 0), (0, 0, 1.3))],
+    "guide": [((0, 0, 2.0), (0.5, -0.4, 1.3))],
+    "roller": [((1.0, -2.0, 0), (0.5, -0.4, 1.3))],
+    "orientation": [((1.0, -2.0, 0.3), (0, 0, 0))],
 }
 BOTH = pytest.mark.parametrize("grounded", [False, True])
 ALL = pytest.mark.parametrize("kind", COUNTS)
