@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cayley.model import check
 from cayley.model.body import Body, PointMass
@@ -79,19 +80,21 @@ class Model:
                 raise TypeError(f"Model: a part is a {type(part).__name__}, but must be a Rod or a Body{hint}")
         object.__setattr__(self, "parts", parts)
         object.__setattr__(self, "names", check.part_names(parts))
-        kinds = {"supports": (supports, (Support, Joint), "supports.pin(rod.start)")}
-        kinds["joints"] = (joints, (Joint,), "joints.weld(mast.end, arm.start)")
-        kinds["springs"] = (springs, (Spring,), "springs.linear(rod.end, stiffness=10.0)")
-        kinds["loads"] = (loads, (Gravity, PointLoad, LineLoad), "loads.gravity((0, 0, -9.81))")
-        for name, (given, kind, example) in kinds.items():
+        wanted: dict[str, tuple[Any, Any, str]] = {
+            "supports": (supports, (Support, Joint), "supports.pin(rod.start)"),
+            "joints": (joints, (Joint,), "joints.weld(mast.end, arm.start)"),
+            "springs": (springs, (Spring,), "springs.linear(rod.end, stiffness=10.0)"),
+            "loads": (loads, (Gravity, PointLoad, LineLoad), "loads.gravity((0, 0, -9.81))"),
+        }
+        for name, (given, kind, example) in wanted.items():
             object.__setattr__(self, name, check.members(name, given, kind, example))
-        given = self.supports
-        object.__setattr__(self, "supports", tuple(support for support in given if isinstance(support, Support)))
-        object.__setattr__(self, "guides", tuple(support for support in given if isinstance(support, Joint)))
+        held: Any = self.supports
+        object.__setattr__(self, "supports", tuple(support for support in held if isinstance(support, Support)))
+        object.__setattr__(self, "guides", tuple(support for support in held if isinstance(support, Joint)))
         self._check_membership()
         connections = [(self.described(joint, short=True), joint) for joint in self.connections]
-        check.joint_names(self.connections)
-        check.joint_names(self.springs)
+        for ties in (self.connections, self.springs):
+            check.joint_names(ties)
         check.refuse_gaps(parts, connections)
         check.refuse_same(connections)
         for load in self.loads:
@@ -100,7 +103,8 @@ class Model:
 
     def __repr__(self) -> str:
         """The counts, in one line."""
-        counts = {"supports": self.supports, "joints": self.joints, "springs": self.springs, "loads": self.loads}
+        held = (*self.supports, *self.guides)
+        counts = {"supports": held, "joints": self.joints, "springs": self.springs, "loads": self.loads}
         told = [f"{name}={len(found)}" for name, found in counts.items() if found or name in ("supports", "loads")]
         return f"Model({', '.join(self.names)}; {', '.join(told)})"
 
@@ -126,6 +130,11 @@ class Model:
         return sum(part.mass for part in self.parts)
 
     @property
+    def ties(self) -> tuple[Joint | Spring, ...]:
+        """All joints and springs."""
+        return (*self.connections, *self.springs)
+
+    @property
     def connections(self) -> tuple[Joint, ...]:
         """All joints, guides first."""
         return (*self.guides, *self.joints)
@@ -136,9 +145,14 @@ class Model:
         return check.joint_names(self.connections)
 
     @property
+    def spring_names(self) -> tuple[str, ...]:
+        """Names of the springs, in the order given."""
+        return check.joint_names(self.springs)
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What is legal but looks odd, a line each: parts that nothing holds and that are connected to nothing."""
-        pairs = [tuple(port.part for port in tie.ports) for tie in (*self.connections, *self.springs)]
+        pairs = [tuple(port.part for port in tie.ports) for tie in self.ties]
         held = [support.port.part for support in self.supports]
         free = [self.names[k] for k in check.loose(self.parts, held, pairs)]
         return tuple(f"{name} is neither held nor connected to another part; it flies free" for name in free)
@@ -207,7 +221,7 @@ class Model:
         for guide in self.guides:
             if not guide.grounded:
                 raise ValueError(f"Model: {guide} is no support, for it connects two parts; give it among the joints")
-        for tie in (*self.connections, *self.springs):
+        for tie in self.ties:
             for port in tie.ports:
                 self._require(port.part, str(tie))
         for load in self.loads:

@@ -51,6 +51,31 @@ class Coupling:
         return np.tile(STILL, (len(times), 1)) if self.drive is None else self.drive(np.asarray(times, dtype=float))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Elastic:
+    """A spring or damper between two nodes, or a node and the ground (see discrete.spring).
+
+    Args:
+        kind: "linear", "rotational" or "bushing"; the programs are spring_program and damper_program.
+        name: what messages and results call it.
+        first: node of side a.
+        second: node of side b, or GROUND.
+        parameters: offset and frame in a, offset and frame in b, stiffness, damping, unstressed length or angle;
+            shape (spring_parameter_count(kind),).
+    """
+
+    kind: str
+    name: str
+    first: int
+    second: int
+    parameters: np.ndarray
+
+    @property
+    def grounded(self) -> bool:
+        """Whether side b is the ground."""
+        return self.second == GROUND
+
+
 def joint_inputs(joint: Coupling, values: np.ndarray, ground: np.ndarray, time: float = 0.0) -> np.ndarray:
     """What the programs "slope" and "drive" of a joint read, shape (2 × rows + parameters + 7,).
 
@@ -64,4 +89,4 @@ def joint_inputs(joint: Coupling, values: np.ndarray, ground: np.ndarray, time: 
     return np.concatenate([values[joint.first], other, joint.parameters, joint.motion(np.array([time]))[0]])
 
 
-__all__ = ["DRIVE", "GROUND", "GROUND_POSE", "STILL", "Coupling", "joint_inputs"]
+__all__ = ["DRIVE", "GROUND", "GROUND_POSE", "STILL", "Coupling", "Elastic", "joint_inputs"]

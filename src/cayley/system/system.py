@@ -10,7 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.layout import Layout
-from cayley.system.couplings import Coupling
+from cayley.system.couplings import Coupling, Elastic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +85,7 @@ class System:
         loads: time-dependent loads, or None.
         reference: values of a regular configuration, shape (nodes, rows).
         joints: between nodes, or nodes and the ground.
+        springs: springs and dampers, likewise.
     """
 
     equations: DiscreteEquations
@@ -96,6 +97,7 @@ class System:
     loads: LoadEntries | None = None
     reference: np.ndarray
     joints: tuple[Coupling, ...] = ()
+    springs: tuple[Elastic, ...] = ()
 
     @property
     def layout(self) -> Layout:
