@@ -23,8 +23,8 @@ class Track:
     Args:
         h: step of the trial [s].
         places: positions of the nodes [m], shape (frames + 1, nodes, k).
-        turns: rotations of a system of one node, twice the quaternion so that small distances are angles [rad], shape
-            (frames + 1, 1, m); of other systems m is 0.
+        turns: rotations of nodes without an element (bodies, or all there is), twice the quaternion so that small
+            distances are angles [rad], shape (frames + 1, k, m); without such nodes m is 0.
     """
 
     h: float
@@ -57,7 +57,14 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system; those that need Numba are slow to import."""
+    """The module that steps a system; those that need Numba are slow to import.
+
+    Raises:
+        ValueError: the system has joints or springs, which none of them knows.
+    """
+    if system.joints or system.springs:
+        names = ", ".join([joint.name for joint in system.joints] + [spring.name for spring in system.springs])
+        raise ValueError(f"joints and springs cannot be simulated yet ({names}); leave them out of the model")
     if system.equations.rule.implicit:
         from cayley.steppers import implicit_run
 
@@ -98,13 +105,15 @@ def follow(system: System, state: State, spacing: float, frames: int, h: float) 
         return None
     values, layout = np.concatenate(received), system.layout
     vectors = [values[..., layout.rows_of(name)] for name in layout.fields if name not in layout.rotations]
+    lone = np.repeat(np.array(system.chains) == 1, system.chains)
     turns = [
-        2.0 * layout.representation.to_quaternion(values[..., layout.rows_of(name)])
+        2.0 * layout.representation.to_quaternion(values[:, lone, layout.rows_of(name)])
         for name in layout.rotations
-        if system.size == 1
+        if lone.any()
     ]
     nothing = values[..., :0]
-    return Track(start.h, np.concatenate([*vectors, nothing], axis=2), np.concatenate([*turns, nothing], axis=2))
+    places = np.concatenate([*vectors, nothing], axis=2)
+    return Track(start.h, places, np.concatenate(turns, axis=2) if turns else nothing)
 
 
 def differences(first: Track, second: Track) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Rods, straight or curved, and the ports on them to which supports and loads attach."""
+"""Rods, straight or curved."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from cayley.model import curve as curves
 from cayley.model import validate
 from cayley.model.curve import Shape
 from cayley.model.frames import standard_rotation
+from cayley.model.part import Part, checked_name
+from cayley.model.port import Port
 from cayley.model.section import Section
 from cayley.model.stations import Stations, stations
 from cayley.model.validate import Array, Triple
@@ -22,7 +24,7 @@ KINEMATICS = ("shearable", "unshearable", "inextensible")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Rod:
+class Rod(Part):
     """A rod, straight or with a curved or twisted shape that is free of stress, made by `along`, `through`, `polyline`.
 
     x(s) = origin + s d3,  0 <= s <= length;  Λ(p) eᵢ = dᵢ        (straight)
@@ -67,11 +69,7 @@ class Rod:
 
     def __post_init__(self) -> None:
         """Check the values and bring them to their standard types."""
-        right = 'a text without "/"'  # it becomes the name of a group in the store
-        if not isinstance(self.name, str):
-            raise TypeError(validate.wrong("Rod", "name", self.name, right))
-        if "/" in self.name:
-            raise ValueError(validate.wrong("Rod", "name", self.name, right))
+        checked_name("Rod", self.name)
         owner = self.label
         if self.kinematics not in KINEMATICS:
             right = " or ".join(f'"{word}"' for word in KINEMATICS)
@@ -207,9 +205,22 @@ class Rod:
         )
 
     @property
-    def label(self) -> str:
-        """What messages call it."""
-        return f"Rod {self.name!r}" if self.name else "Rod"
+    def noun(self) -> str:
+        """The word "rod"."""
+        return "rod"
+
+    @property
+    def node_count(self) -> int:
+        """Number n + 1 of nodes."""
+        return self.elements + 1
+
+    def place(self, node: int) -> tuple[Array, Array]:
+        """Position [m], shape (3,), and rotation, wxyz, shape (4,), of a node before any motion."""
+        return self.positions[node], self.rotations[node]
+
+    def node_name(self, node: int) -> str:
+        """How a user gets at a node: "start", "end" or "node(3)"."""
+        return {0: "start", self.elements: "end"}.get(node, f"node({node})")
 
     @property
     def mass(self) -> float:
@@ -345,40 +356,3 @@ class Rod:
             near = " or ".join(f"{nodes[j]:g} m (node {j})" for j in (below, below + 1))
             raise ValueError(validate.wrong(self.label, "s", s, f"at a node, such as {near}"))
         return Port(self, k)
-
-
-@dataclass(frozen=True, slots=True)
-class Port:
-    """A node of a part, to which supports and loads attach.
-
-    Attributes:
-        part: the rod.
-        node: index of the node, from 0; a negative one counts from the end.
-
-    Raises:
-        TypeError: the part is not a rod, or the node not a whole number.
-        ValueError: there is no such node.
-    """
-
-    part: Rod
-    node: int
-
-    def __post_init__(self) -> None:
-        """Check the node and count it from the start."""
-        if not isinstance(self.part, Rod):
-            raise TypeError(validate.wrong("Port", "part", self.part, "a Rod"))
-        count = self.part.elements + 1
-        right = f"from 0 to {count - 1}, or from -1 back to {-count}"
-        k = validate.integer(self.part.label, "node", self.node, "a whole number " + right)
-        if not -count <= k < count:
-            raise ValueError(validate.wrong(self.part.label, "node", k, right))
-        object.__setattr__(self, "node", k % count)
-
-    def __str__(self) -> str:
-        """As a user writes it: `mast.start`, `mast.node(3)`, `mast.end`."""
-        return self.called(self.part.name or "rod")
-
-    def called(self, name: str) -> str:
-        """As a user writes it if the part has that name."""
-        ends = {0: "start", self.part.elements: "end"}
-        return f"{name}.{ends.get(self.node, f'node({self.node})')}"

@@ -59,7 +59,7 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
             )
             slopes[:, first : first + degree] = evaluate(*inputs, first, length * middles, frames.times)[2]
         start += count
-    return energy, found / shares[None, :, None], slopes
+    return energy, found / np.maximum(shares, 1.0)[None, :, None], slopes  # nodes without an element have no share
 
 
 def _as_quaternions(layout: Layout, values: np.ndarray) -> np.ndarray:

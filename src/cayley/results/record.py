@@ -6,25 +6,37 @@ from typing import Any
 
 import numpy as np
 
-from cayley.model import Model, Port, Rod, Section
+from cayley.model import Model, Part, Rod, Section
 from cayley.model.curve import Shape
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
 from cayley.model.stations import Stations
 from cayley.model.supports import Support
+from cayley.results.tie_record import (
+    body_record,
+    parts_from,
+    parts_record,
+    port_from,
+    port_record,
+    ties_from,
+    ties_record,
+)
 
 
 class Sampled:
-    """A load that was a function of time, of which the values at the saved frames are left.
+    """A load or motion that was a function of time, of which the values at the saved frames are left.
 
     Args:
         name: name of the function.
         times: of the frames [s], shape (m,), rising.
-        values: of the load, shape (m, 3).
+        values: of the load or motion, shape (m, 3) or (m, 1).
+        what: "load", or what is prescribed.
     """
 
-    def __init__(self, name: str, times: np.ndarray, values: np.ndarray) -> None:
+    sampled = True  # a joint does not ask for its value at t = 0, which need not be there
+
+    def __init__(self, name: str, times: np.ndarray, values: np.ndarray, what: str = "load") -> None:
         """Hold the table."""
-        self.__name__, self.times, self.values = name, times, values
+        self.__name__, self.times, self.values, self.what = name, times, values, what
 
     def __call__(self, t: float) -> np.ndarray:
         """The value at the time of a frame.
@@ -36,8 +48,8 @@ class Sampled:
         k = int(np.searchsorted(self.times, time))
         if k == len(self.times) or self.times[k] != time:
             raise ValueError(
-                f"the load function {self.__name__} is not in the store, only its values at the saved frames, and "
-                f"t = {time:g} s is none of them; open the run with model=... to give the function again"
+                f"the {self.what} function {self.__name__} is not in the store, only its values at the saved frames, "
+                f"and t = {time:g} s is none of them; open the run with model=... to give the function again"
             )
         return self.values[k].copy()
 
@@ -57,41 +69,57 @@ def model_record(model: Model) -> dict[str, Any]:
         "rods": [_rod_record(rod) | {"section": _numbered(rod.stations, numbers)} for rod in model.rods],
         "supports": [
             {
-                **_port_record(support.port, model),
+                **port_record(support.port, model),
                 "position": list(support.held_position),
                 "rotation": list(support.held_rotation),
             }
             for support in model.supports
         ],
         "loads": [_load_record(load, model) for load in model.loads],
+        **parts_record(model),
+        **ties_record(model),
     }
 
 
-def model_from(record: Mapping[str, Any], functions: Sequence[Callable[[float], Any] | None]) -> Model:
+def model_from(
+    record: Mapping[str, Any],
+    functions: Sequence[Callable[[float], Any] | None],
+    motions: Mapping[str, Callable[[float], Any]] | None = None,
+) -> Model:
     """Make a model of its record.
 
     Args:
         record: made by model_record.
         functions: for every load the function of time it was, or None.
+        motions: prescribed motions that were functions of time, by "name of the joint/quantity".
     """
     sections = [Section(**(given | {"name": str(given["name"])})) for given in record["sections"]]
     rods = [_rod_from(given, sections) for given in record["rods"]]
+    parts = parts_from(record, rods)
+    bodies = [part for part in parts if not isinstance(part, Rod)]
     supports = [
-        Support(Port(rods[s["rod"]], s["node"]), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]
+        Support(port_from(s, rods, bodies), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]
     ]
     pairs = zip(record["loads"], functions, strict=True)
-    loads = [_load_from(given, rods, function) for given, function in pairs]
-    return Model(*rods, supports=supports, loads=loads)
+    loads = [_load_from(given, rods, bodies, function) for given, function in pairs]
+    ties = ties_from(record, parts, motions or {})
+    held = [*supports, *ties["guides"]]
+    return Model(*parts, supports=held, joints=ties["joints"], springs=ties["springs"], loads=loads)
 
 
 def name_of(part: Any, model: Model | None) -> str | None:
-    """The name of a rod in a model, or None: of the rod itself, else of the one rod that equals it in every number.
+    """The name of a part in a model, or None: of the part itself, else of the one that equals it in every number.
 
-    An opened run has rods of its own, which a user's rods can only equal.
+    An opened run has parts of its own, which a user's parts can only equal.
     """
-    if model is None or not isinstance(part, Rod):
+    if model is None or not isinstance(part, Part):
         return None
-    pairs = list(zip(model.rods, model.names, strict=True))
+    if not isinstance(part, Rod):
+        bodies = [(body, model.name_of(body)) for body in model.bodies]
+        known = [name for body, name in bodies if body is part]
+        known = known or [name for body, name in bodies if body_record(body) == body_record(part)]  # type: ignore[arg-type]
+        return known[0] if len(known) == 1 else None
+    pairs = [(rod, model.name_of(rod)) for rod in model.rods]
     same = [name for rod, name in pairs if rod is part]
     if not same:
         own = _whole_record(part)
@@ -158,10 +186,6 @@ def _shape_record(shape: Shape) -> dict[str, Any]:
     return {"position": shape.position.tolist(), "rotation": shape.rotation.tolist()}
 
 
-def _port_record(port: Port, model: Model) -> dict[str, Any]:
-    return {"rod": _index(port.part, model), "node": port.node}
-
-
 def _index(rod: Rod, model: Model) -> int:
     return next(k for k, other in enumerate(model.rods) if other is rod)
 
@@ -169,7 +193,7 @@ def _index(rod: Rod, model: Model) -> int:
 def _load_record(load: Load, model: Model) -> dict[str, Any]:
     if isinstance(load, Gravity):
         return {"kind": "gravity", "acceleration": list(load.acceleration)}
-    place = _port_record(load.port, model) if isinstance(load, PointLoad) else {"rod": _index(load.rod, model)}
+    place = port_record(load.port, model) if isinstance(load, PointLoad) else {"rod": _index(load.rod, model)}
     named = getattr(load.value, "__name__", type(load.value).__name__)
     return {
         "kind": load.kind,
@@ -181,7 +205,9 @@ def _load_record(load: Load, model: Model) -> dict[str, Any]:
     }
 
 
-def _load_from(record: Mapping[str, Any], rods: Sequence[Rod], function: Callable[[float], Any] | None) -> Load:
+def _load_from(
+    record: Mapping[str, Any], rods: Sequence[Rod], bodies: Sequence[Part], function: Callable[[float], Any] | None
+) -> Load:
     if record["kind"] == "gravity":
         return Gravity(tuple(record["acceleration"]))
     shared = {
@@ -191,8 +217,9 @@ def _load_from(record: Mapping[str, Any], rods: Sequence[Rod], function: Callabl
         "start": record["start"],
         "until": math.inf if record["until"] is None else record["until"],
     }
-    rod = rods[record["rod"]]
-    return PointLoad(port=Port(rod, record["node"]), **shared) if "node" in record else LineLoad(rod=rod, **shared)
+    if "node" in record:
+        return PointLoad(port=port_from(record, rods, bodies), **shared)
+    return LineLoad(rod=rods[record["rod"]], **shared)
 
 
 __all__ = ["Sampled", "model_from", "model_record", "name_of"]

@@ -12,9 +12,13 @@ from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
 from cayley.discrete.places import name_at, placed, plain
 from cayley.discrete.rules import Rule
-from cayley.model import Model, Rod
+from cayley.model import Model, Part, PointMass, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
+from cayley.system.body_arrays import body_arrays
 from cayley.system.compile import uniform_values
+from cayley.system.connect import connect
+from cayley.system.couplings import Coupling
+from cayley.system.redundancy import redundant
 from cayley.system.rod_arrays import STRAIN_CONSTANTS, PartArrays, rod_arrays
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
@@ -23,21 +27,28 @@ from cayley.system.tables import time_table
 def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> System:
     """Compile the equations of a model.
 
-    All rods run in one sweep, a chain of nodes each; constants that differ between rods become arrays.
+    All parts run in one sweep, a chain of nodes each, of one node a body; constants that differ become arrays.
 
     Args:
         model: the model.
         rule: quadrature rule.
         rotation: "quaternion" or "matrix".
 
-    Returns: the System; its nodes are those of the rods, one rod after the other.
+    Returns: the System; its nodes are those of the parts, one part after the other.
+
+    Raises:
+        ValueError: rods of different kinematics, joints with matrices, or redundant constraints of joints.
     """
-    rods = model.rods
-    library_density = _KINEMATICS[_one_kinematics(rods)]
+    library_density = _KINEMATICS[_one_kinematics(model.rods)]
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
-    parts = [rod_arrays(rod, rule, gravity) for rod in rods]
+    rods = {id(rod): rod_arrays(rod, rule, gravity) for rod in model.rods}
+    beside = next(iter(rods.values()), None)
+    parts = [
+        rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
+        for part in model.parts
+    ]
     constants = _joined(parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
     density = trace(library_density, patterns)
@@ -55,22 +66,45 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
     turned = np.concatenate([part.rotation for part in parts])
     reference[:, layout.rows_of("p")] = layout.representation.from_quaternion(turned)
     first = {name: float(values[0]) for name, values in entries.items()}
+    free = _free(model, layout, rule.degree)
+    joints, springs = connect(model, first_nodes(model, rule.degree), rule.degree)
+    if joints or springs:
+        _check_joints(layout, reference, free, joints)
     return System(
         equations=equations,
         kernels=Kernels(equations, lanes_for(rule.cell, sum((count - 1) // rule.cell + 1 for count in counts))),
         uniforms=uniform_values(equations, first),
         named=named,
-        free=_free(model, layout, rule.degree),
+        free=free,
         chains=tuple(counts),
         loads=_loads(model, layout, named["weight"], rule.degree),
         reference=reference,
+        joints=joints,
+        springs=springs,
     )
 
 
 def spans(model: Model, degree: int) -> list[slice]:
-    """Nodes of each rod among all nodes, with degree nodes more in every element."""
-    edges = np.cumsum([0, *[rod.elements * degree + 1 for rod in model.rods]])
+    """Nodes of each part among all nodes, with degree − 1 nodes inside every element."""
+    edges = np.cumsum([0, *[(part.node_count - 1) * degree + 1 for part in model.parts]])
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
+
+
+def first_nodes(model: Model, degree: int) -> dict[int, int]:
+    """First node of each part, by its id."""
+    return {id(part): nodes.start for part, nodes in zip(model.parts, spans(model, degree), strict=True)}
+
+
+def _check_joints(layout: Layout, reference: np.ndarray, free: np.ndarray, joints: Sequence[Coupling]) -> None:
+    """Refuse joints of rotations as matrices, and constraints that follow from others."""
+    if layout.representation.name != "quaternion":
+        raise ValueError("Model: joints and springs want rotation='quaternion'; leave rotation out")
+    lines = redundant(layout, reference, free, joints)
+    if lines:
+        raise ValueError(
+            f"Model: {len(lines)} joint{'s are' if len(lines) > 1 else ' is'} redundant at the start, so their forces "
+            f"are not unique ({'; '.join(lines)}); hold less, such as by a ball instead of a hinge"
+        )
 
 
 def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[str, Any]]) -> tuple[np.ndarray, ...]:
@@ -79,14 +113,15 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
     Args:
         model: the model.
         system: its system.
-        initial: rod or its name -> {"position", "rotation", "velocity", "angular_velocity", "momentum",
+        initial: part or its name -> {"position", "rotation", "velocity", "angular_velocity", "momentum",
             "angular_momentum"}; arrays that broadcast to (nodes, 3) (rotation: (nodes, 4)), or functions of s. Momenta
-            are per length [kg/s, kg m/s], the angular ones, like angular velocities, in the body frame.
+            are per length [kg/s, kg m/s], of a body as they are [kg m/s, kg m²/s], the angular ones, like angular
+            velocities, in the body frame.
 
     Returns: values (nodes, rows), velocities (nodes, dofs), nodal momenta (nodes, dofs) with NaN where not given.
 
     Raises:
-        ValueError: for an unknown rod or key, a wrong shape, or a quantity given twice.
+        ValueError: for an unknown part or key, a wrong shape, or a quantity given twice.
     """
     layout = system.layout
     values = system.reference.copy()
@@ -95,9 +130,9 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
     among = spans(model, system.equations.rule.degree)
     by_name = dict(zip(model.names, among, strict=True))
     for key, given in initial.items():
-        name = model.name_of(key) if isinstance(key, Rod) else key
+        name = model.name_of(key) if isinstance(key, Part) else key
         if name not in by_name:
-            raise ValueError(f"initial: {key!r} is no rod of the model; its rods are {', '.join(by_name)}")
+            raise ValueError(f"initial: {key!r} is no part of the model; its parts are {', '.join(by_name)}")
         nodes = by_name[name]
         for quantity, value in given.items():
             where = f"initial[{name!r}][{quantity!r}]"
@@ -149,7 +184,7 @@ def _one_kinematics(rods: Sequence[Rod]) -> str:
     Raises:
         ValueError: if they differ; a model is stepped by one set of kernels.
     """
-    found = sorted({rod.kinematics for rod in rods})
+    found = sorted({rod.kinematics for rod in rods}) or ["shearable"]
     if len(found) > 1:
         raise ValueError(f"Model: its rods are {' and '.join(found)}; give all rods of one model the same kinematics")
     return found[0]
@@ -212,7 +247,10 @@ def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:
 def _free(model: Model, layout: Layout, degree: int) -> np.ndarray:
     among = spans(model, degree)
     free = np.ones((among[-1].stop, layout.dofs), dtype=bool)
-    starts = {id(rod): nodes.start for rod, nodes in zip(model.rods, among, strict=True)}
+    starts = first_nodes(model, degree)
+    for part in model.parts:
+        if isinstance(part, PointMass):
+            free[starts[id(part)], layout.dofs_of("p")] = False
     for support in model.supports:
         node = starts[id(support.port.part)] + support.port.node * degree
         free[node, layout.dofs_of("x")] &= ~np.array(support.held_position)
@@ -224,13 +262,13 @@ def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> Loa
     timed = [load for load in model.loads if isinstance(load, PointLoad | LineLoad)]
     if not timed:
         return None
-    by_rod = {id(rod): nodes for rod, nodes in zip(model.rods, spans(model, degree), strict=True)}
+    by_part = {id(part): nodes for part, nodes in zip(model.parts, spans(model, degree), strict=True)}
     rows: list[tuple[int, int, int, int, int, float]] = []
     for k, load in enumerate(timed):
         moment = load.kind == "moment"
         dof = layout.dofs_of("p" if moment else "x").start
         form = {(True, "body"): 0, (True, "space"): 1, (False, "space"): 0, (False, "body"): 2}[(moment, load.frame)]
-        nodes = by_rod[id(load.part)]
+        nodes = by_part[id(load.part)]
         turn = layout.rows_of("p").start
         if isinstance(load, PointLoad):
             rows.append((nodes.start + load.port.node * degree, dof, turn, form, 3 * k, 1.0))
@@ -240,4 +278,4 @@ def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> Loa
     return LoadEntries(time_table(timed), 3 * len(timed), *columns)
 
 
-__all__ = ["discretize", "initial_values", "spans"]
+__all__ = ["discretize", "first_nodes", "initial_values", "spans"]

@@ -10,6 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.layout import Layout
+from cayley.system.couplings import Coupling, Elastic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +88,8 @@ class System:
         chains: number of nodes of each chain (one 0-D system is a chain of one node).
         loads: time-dependent loads, or None.
         reference: values of a regular configuration, shape (nodes, rows).
+        joints: between nodes, or nodes and the ground.
+        springs: springs and dampers, likewise.
     """
 
     equations: DiscreteEquations
@@ -97,6 +100,8 @@ class System:
     chains: tuple[int, ...]
     loads: LoadEntries | None = None
     reference: np.ndarray
+    joints: tuple[Coupling, ...] = ()
+    springs: tuple[Elastic, ...] = ()
 
     @property
     def layout(self) -> Layout:

@@ -198,7 +198,7 @@ def test_section_refused(refused):
         (lambda rod: rod.at(2.1), ValueError, "Rod: s = 2.1 must be at a node, such as 1.5 m (node 3) or 2 m (node 4)"),
         (lambda rod: rod.at(-1), ValueError, "Rod: s = -1 must be at a node, such as 0 m (node 0) or 0.5 m (node 1)"),
         (lambda rod: rod.at(math.nan), ValueError, "Rod: s = nan must be a finite number [m]"),
-        (lambda rod: Port(SECTION, 0), TypeError, f"Port: part = {SECTION!r} must be a Rod"),
+        (lambda rod: Port(SECTION, 0), TypeError, f"Port: part = {SECTION!r} must be a Rod or a Body"),
     ],
 )
 def test_port_refusals(refused, call, error, line):
