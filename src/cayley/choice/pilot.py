@@ -6,8 +6,9 @@ from types import ModuleType
 
 import numpy as np
 
-from cayley.steppers import decoupled_run
+from cayley.steppers import coupled_run, decoupled_run, implicit_run
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.saddle import is_constrained
 from cayley.system.system import State, System
 
 FRAMES, FEWEST_FRAMES = 64, 8
@@ -57,22 +58,11 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system; those that need Numba are slow to import.
-
-    Raises:
-        ValueError: the system has joints or springs, which none of them knows.
-    """
-    if system.joints or system.springs:
-        names = ", ".join([joint.name for joint in system.joints] + [spring.name for spring in system.springs])
-        raise ValueError(f"joints and springs cannot be simulated yet ({names}); leave them out of the model")
+    """The module that steps a system."""
     if system.equations.rule.implicit:
-        from cayley.steppers import implicit_run
-
         return implicit_run
-    if system.equations.density.constraints.numel():
-        from cayley.steppers import constrained_run
-
-        return constrained_run
+    if is_constrained(system) or system.springs:
+        return coupled_run
     return decoupled_run
 
 
