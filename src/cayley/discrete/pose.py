@@ -5,7 +5,7 @@ y = Λ(p)ᵀ(b − a)/ds: six numbers. Between them and the embedding space stan
 p + δp ∥ (1 + φ) p, and the turn λ between the ends that they make.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import casadi as ca
@@ -49,6 +49,37 @@ def strains_only(density: Density, term: Callable[[dict[str, Expression]], ca.SX
         if not np.allclose(one, other, rtol=1e-9, atol=1e-9):
             return False
     return True
+
+
+def strain_jet(
+    density: Density,
+    term: Callable[[dict[str, Expression]], ca.SX],
+    points: Sequence[tuple[float, Mapping[str, Any]]],
+    unknown: ca.SX,
+    *,
+    weights: ca.SX,
+    second: bool,
+) -> Jet:
+    """Σ weight f(Ω, Λᵀx′) at some points, and its derivatives by way of those six numbers at each.
+
+    Args:
+        density: the density.
+        term: from the values of the slots to the term, which depends on strains alone (see strains_only).
+        points: (weight, values of the slots) pairs.
+        unknown: what the points are functions of.
+        weights: λ of the Hessian of λ·term.
+        second: whether that Hessian is wanted.
+    """
+    turn, position = density.lagrangian.pose or ("", "")
+    bend, tangent = f"{turn}_{density.lagrangian.interval}", f"{position}_{density.lagrangian.interval}"
+    strains = symbols("strain", len(points), 6)
+    value, inner = ca.SX(0), []
+    for strain, (weight, point) in zip(strains, points, strict=True):
+        others = {k: v for k, v in point.items() if k not in (turn, position, f"frame of {turn}")}
+        value += weight * term(others | {bend: strain[:3], tangent: strain[3:]})
+        inner += [point[bend], point[f"frame of {turn}"].T @ point[tangent]]
+    found = jet(value, _column(*strains), _column(*inner), weights=weights, second=second)
+    return found.through(_column(*inner), unknown, unknown)
 
 
 def screw_jet(
