@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density import Density
-from cayley.density.expression import Expression, cross, dot, symbols, to_sx, wrap
+from cayley.density.expression import Expression, cross, dot, from_sx, symbols, to_sx, wrap, zeros
 from cayley.discrete.jet import Jet, jet
 from cayley.discrete.layout import Layout
 from cayley.discrete.representation import homogeneous
@@ -106,7 +106,7 @@ def screw_jet(
         second: whether that Hessian is wanted.
     """
     turn, position = density.lagrangian.pose or ("", "")
-    along, inverse = str(density.lagrangian.interval), place["inverse"]
+    inverse = place["inverse"]
     p, q = (end[layout.rows_of(turn)] for end in ends)
     d = ends[1][layout.rows_of(position)] - ends[0][layout.rows_of(position)]
     size = dot(p, p)
@@ -115,11 +115,7 @@ def screw_jet(
     half = relative[1:] * (1.0 / (1.0 + relative[0]))
     y = (frame.T @ d) * inverse
 
-    def of_strain(e: Expression) -> ca.SX:
-        others = {k: v for k, v in place.items() if k != "inverse"}
-        return term(others | {f"{turn}_{along}": e[:3], f"{position}_{along}": e[3:]})
-
-    found = _of_relative_pose(of_strain, half, y, inverse, weights=weights, second=second)
+    found = _of_relative_pose(_of_strain(density, term, place), half, y, inverse, weights=weights, second=second)
     turned, shifted = symbols("turned", 3), symbols("shifted", 3)
     found = found.through(_column(_half(turned, relative), shifted), _column(turned, shifted), _column(np.zeros(3), y))
     inner = _column(frame.T @ turned, (frame.T @ shifted) * inverse)
@@ -132,6 +128,57 @@ def screw_jet(
     increments = [_increment(v[layout.rows_of(turn)], z) for v, z in zip(moves, (p, q), strict=True)]
     inner = _column(*increments, d + moves[1][layout.rows_of(position)] - moves[0][layout.rows_of(position)])
     return found.through(inner, _column(*moves), ca.SX.zeros(2 * layout.rows))
+
+
+def screw_forces(
+    density: Density,
+    layout: Layout,
+    term: Callable[[dict[str, Expression]], ca.SX],
+    ends: tuple[Expression, Expression],
+    place: Mapping[str, Any],
+) -> tuple[Expression, Expression]:
+    """Forces of an element on its two nodes, −∂f left-trivialized.
+
+    With gamma = ∂f/∂γ, upsilon = ∂f/∂y and even ± odd = ½ ((1 − γ·γ) gamma/2 + (γ·gamma) γ ± γ × gamma):
+    (even + odd + y × upsilon, Λ upsilon/ds) on the left node, (odd − even, −Λ upsilon/ds) on the right one.
+
+    Args:
+        density: the density.
+        layout: rows of a node.
+        term: from the values of the slots to a term that depends on strains alone (see strains_only).
+        ends: rows of the two nodes.
+        place: "inverse" 1/ds, and the other slots of the term, "t" and the coordinate.
+
+    Returns: forces on the left and the right node, shape (layout.dofs,) each.
+    """
+    turn, position = density.lagrangian.pose or ("", "")
+    inverse, (a, b) = place["inverse"], (end[layout.rows_of(position)] for end in ends)
+    p, q = (end[layout.rows_of(turn)] for end in ends)
+    r0, v = layout.representation.relative(p, q)
+    frame, half = layout.representation.matrix(p), v * (1.0 / (1.0 + r0))
+    y = frame.T @ ((b - a) * inverse)
+    of_strain = _of_strain(density, term, place)
+    found = _of_relative_pose(of_strain, half, y, inverse, weights=ca.SX(1.0), second=False)
+    slope = from_sx(ca.densify(found.slope.T))
+    gamma, upsilon = slope[:3], slope[3:]
+    even = 0.25 * (1.0 - dot(half, half)) * gamma + 0.5 * dot(half, gamma) * half
+    odd = 0.5 * cross(half, gamma)
+    pull = frame @ (upsilon * inverse)
+    left, right = zeros(layout.dofs), zeros(layout.dofs)
+    turns, moves = layout.dofs_of(turn), layout.dofs_of(position)
+    left[turns], left[moves] = even + odd + cross(y, upsilon), pull
+    right[turns], right[moves] = odd - even, -pull
+    return left, right
+
+
+def _of_strain(
+    density: Density, term: Callable[[dict[str, Expression]], ca.SX], place: Mapping[str, Any]
+) -> Callable[[Expression], ca.SX]:
+    """A term as a function of (Ω, Γ + e₃)."""
+    turn, position = density.lagrangian.pose or ("", "")
+    along = density.lagrangian.interval
+    others = {k: v for k, v in place.items() if k != "inverse"}
+    return lambda e: term(others | {f"{turn}_{along}": e[:3], f"{position}_{along}": e[3:]})
 
 
 def _of_relative_pose(
