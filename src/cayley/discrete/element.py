@@ -173,7 +173,7 @@ def _screw_forces(
     def strain(point: Mapping[str, Any]) -> ca.SX:
         return density.value("strain", point)
 
-    if strains_only(density, strain):
+    if strains_only(density, "strain"):
         middle = {str(density.lagrangian.interval): 0.5 * (place["left"] + place["right"])}
         return screw_forces(density, layout, strain, ends, middle | {k: place[k] for k in ("inverse", "t")})
     energy = element_energy(density, points, layout, ends, place)

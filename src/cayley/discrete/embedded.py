@@ -92,7 +92,7 @@ def _term(
             return density.value("inertia", point) - density.value("load", point)
         return density.constraint(point) if name == "constraint_point" else density.value("strain", point)
 
-    strained = name != "inertia_point" and strains_only(density, of_point)
+    strained = name != "inertia_point" and strains_only(density, name.removesuffix("_point"))
     if strained and points is not None and points.screw:
         middle = {"inverse": inverse, "t": t, along: here + 0.5 / inverse}
         return screw_jet(density, layout, of_point, at, middle, weights=multiplier, second=second)
