@@ -20,8 +20,9 @@ static const double WILD_GROWTH = 10.0;     /* the quick try is given up when a 
 static const double SMALLEST_PART = 0.02;   /* smallest part of a correction that is tried */
 static const double FIRST_PART = 1.0 / 16.0; /* the solution is followed from that of a step so much shorter, */
 static const double SHORTEST_PART = 1e-4;    /* if need be down to this, */
-static const i64 SINGULAR = -1;
 static const double SMALLEST_GROWTH = 1.0002;  /* by factors that fall from 2 to this */
+
+static const i64 SINGULAR = -1; /* what newton returns where there is no first correction */
 
 /* Residual (in the right-hand side), momenta and, if wanted, the matrix. */
 static void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent)
