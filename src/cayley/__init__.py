@@ -18,6 +18,7 @@ _HOMES = {
     "cross": "density.expression",
     "norm": "density.expression",
     "where": "density.expression",
+    "rate": "density.force",
     "E1": "density.library",
     "E2": "density.library",
     "E3": "density.library",
@@ -74,6 +75,7 @@ if TYPE_CHECKING:
     from cayley.density.fields import Interval as Interval
     from cayley.density.fields import Rotation as Rotation
     from cayley.density.fields import Vector as Vector
+    from cayley.density.force import rate as rate
     from cayley.density.lagrangian import Lagrangian as Lagrangian
     from cayley.density.lagrangian import lagrangian as lagrangian
     from cayley.density.library import E1 as E1

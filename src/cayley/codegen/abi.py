@@ -2,6 +2,7 @@
 
 ARGUMENTS = (
     *("step", "step_setup", "held", "held_setup", "kick", "kick_setup"),  # addresses of kernels
+    *("predict", "predict_setup"),  # those of the predictor, 0 where no forces need one
     *("data", "blocks", "rows", "lanes", "kept"),  # array of blocks, its shape, rows that are saved
     *("uniforms", "width", "timed"),  # uniform inputs of the three kernels, whether they change with time
     *("spans", "tiles", "depth"),  # (first block, last block, held) of tiles; steps a tile takes together

@@ -6,6 +6,8 @@ With P the momentum after the inertia of a step and F(qʲ) all forces at a node,
 
 the force serving the step before and the step after; at a saved frame the momentum is μ = P + h/2 F. The kernels do
 this for blocks of nodes; the loop here calls them by address, so one driver serves every system of the same layout.
+Where there are forces beside the Lagrangian, a predictor goes over all nodes before (discrete.forced), and
+time-dependent loads are handed to it, not to the momenta.
 It is IR and not a compiled Python function because it is what a user waits for at the first run (docs/adr/0004).
 """
 
@@ -100,6 +102,7 @@ class _Advance(_Writer):
             with self.loop(self.int(0), groups) as group:
                 done = b.mul(group, at["depth"])
                 together = self.smaller(at["depth"], b.sub(at["stride"], done))
+                self.predict(b.add(begin, done), self.h)
                 self.wavefront(b.add(begin, done), together, failures)
             self.half(b.add(begin, at["stride"]), 0.5)
             with self.loop(self.int(0), at["fixed_count"]) as k:
@@ -136,11 +139,23 @@ class _Advance(_Writer):
         """Add factor × h × all forces to the momenta."""
         b, at = self.b, self.at
         h = b.fmul(self.h, ir.Constant(DOUBLE, factor))
+        # going on from a frame its velocities are known; at the end of an interval they are predicted
+        self.predict(number, ir.Constant(DOUBLE, 0.0) if factor < 0.0 else self.h)
         self.set("kick", h, number, number)
         self.call(
             at["kick"], at["data"], self.uniforms("kick"), self.int(1), b.add(at["blocks"], self.int(1)), result=I64
         )
-        self.loads((self.int(0), at["entry_count"]), number, h)
+        with b.if_then(b.icmp_signed("==", at["predict"], self.int(0))):
+            self.loads((self.int(0), at["entry_count"]), number, h)
+
+    def predict(self, number: Any, h: Any) -> None:
+        """Find the velocities that forces need, of all nodes; loads come first, as forces."""
+        b, at = self.b, self.at
+        with b.if_then(b.icmp_signed("!=", at["predict"], self.int(0))):
+            self.loads((self.int(0), at["entry_count"]), number, ir.Constant(DOUBLE, 1.0))
+            self.set("predict", h, number, b.add(number, self.int(1)))
+            last = b.add(at["blocks"], self.int(1))
+            self.call(at["predict"], at["data"], self.uniforms("predict"), self.int(1), last, result=I64)
 
     def loads(self, entries: tuple[Any, Any], number: Any, h: Any) -> None:
         """Add h × time-dependent loads to the momenta of their nodes."""
@@ -169,7 +184,7 @@ class _Advance(_Writer):
         return b.fadd(self.origin, b.fmul(steps, self.h))
 
     def uniforms(self, kind: str) -> Any:
-        row = self.int(("step", "held", "kick").index(kind))
+        row = self.int(("step", "held", "kick", "predict").index(kind))
         return self.b.add(self.at["uniforms"], self.b.mul(self.b.mul(row, self.at["width"]), self.int(8)))
 
     def place(self, block: Any, row: Any, lane: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from cayley.density.expression import cross, dot, norm, where
 from cayley.density.fields import Interval, Rotation, Vector
+from cayley.density.force import rate
 from cayley.density.lagrangian import Lagrangian, lagrangian
 from cayley.density.trace import Density, trace
 
@@ -15,6 +16,7 @@ __all__ = [
     "dot",
     "lagrangian",
     "norm",
+    "rate",
     "trace",
     "where",
 ]

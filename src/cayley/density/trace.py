@@ -2,7 +2,8 @@
 
 import difflib
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from cayley.density.expression import Expression, cross, from_sx, symbols, to_sx, wrap
 from cayley.density.fields import Rotation
+from cayley.density.force import Force, trace_force
 from cayley.density.lagrangian import Lagrangian
 
 PARTS = ("inertia", "strain", "load")
@@ -33,6 +35,7 @@ class Density:
         names: their names, for listings.
         terms: the additive terms of T, W and U, each a factor and an expression.
         constraints: g, a column; empty where nothing is constrained.
+        force: the non-conservative forces, or None.
     """
 
     lagrangian: Lagrangian
@@ -44,6 +47,7 @@ class Density:
     names: tuple[str, ...]
     terms: Mapping[str, tuple[tuple[float, ca.SX], ...]]
     constraints: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    force: Force | None = None
     _cache: dict = field(default_factory=dict, repr=False)
 
     def gradient(self, part: str, point: Mapping[str, Any], *, only: str = "all") -> dict[str, Expression]:
@@ -51,7 +55,8 @@ class Density:
 
         Args:
             part: "inertia", "strain" or "load".
-            point: values for the slots, "frame of NAME" for rotations, the coordinate and "t"; absent ones are 0.
+            point: values for the slots, "frame of NAME" for rotations, the coordinate and "t"; absent ones are 0. By
+                their names ("c.mass") also constants that have other symbols there.
             only: "all", or, of W: "quotients" (terms of difference quotients alone) or "values" (the others).
 
         Returns: slot name -> gradient, the shape of the slot.
@@ -66,16 +71,40 @@ class Density:
             self._cache[key] = ca.Function(
                 part, [self._inputs()], ca.vertsplit(columns, sizes.tolist()), {"allow_free": True}
             )
-        found = self._cache[key].call([self._at(point)])
+        found = self._own_constants(self._cache[key].call([self._at(point)]), point)
         return {name: _column(value) for name, value in zip(self.slots, found, strict=True)}
 
     def value(self, part: str, point: Mapping[str, Any]) -> ca.SX:
         """Value of T, W or U [J or J/m] at a point (see gradient)."""
-        return ca.substitute([self._total(part)], [self._inputs()], [self._at(point)])[0]
+        found = ca.substitute([self._total(part)], [self._inputs()], [self._at(point)])
+        return self._own_constants(found, point)[0]
 
     def constraint(self, point: Mapping[str, Any]) -> ca.SX:
         """The constraints g at a point (see gradient), a column."""
-        return ca.substitute([self.constraints], [self._inputs()], [self._at(point)])[0]
+        found = ca.substitute([self.constraints], [self._inputs()], [self._at(point)])
+        return self._own_constants(found, point)[0]
+
+    def forces(self, place: str, kind: str, point: Mapping[str, Any]) -> dict[str, Expression]:
+        """Non-conservative forces f at a point, δW = Σ f·δ(slot); those of a rotation's own slot are body moments.
+
+        Args:
+            place: "node", "strain" or "spread".
+            kind: "still" or "moving".
+            point: see gradient; velocities too, and "rate of SLOT" for derivatives along the interval.
+
+        Returns: slot -> f [N or N m, per length on an interval], of slots on which there is one.
+        """
+        if self.force is None or (place, kind) not in self.force.terms:
+            return {}
+        terms, key = self.force.terms[place, kind], ("force", place, kind)
+        rates = self.force.rates
+        if key not in self._cache:
+            inputs = ca.vertcat(self._inputs(), *[to_sx(r) for r in rates.values()])
+            found = [ca.cse(value) for value in terms.values()]
+            self._cache[key] = ca.Function("force", [inputs], found, {"allow_free": True})
+        more = [point.get(f"rate of {name}", np.zeros(r.shape)) for name, r in rates.items()]
+        at = ca.vertcat(self._at(point), *[to_sx(np.asarray(v, dtype=object)) for v in more])
+        return {name: _column(value) for name, value in zip(terms, self._cache[key].call([at]), strict=True)}
 
     def depends(self, part: str, *slots: str) -> bool:
         """Tell whether a part depends on any of the slots (a rotation's own slot means its frame)."""
@@ -88,12 +117,18 @@ class Density:
         inputs = ca.vertcat(self._inputs(), self.parameters)
         parts = [factor * term for part in PARTS for factor, term in (*self.terms[part], (1.0, ca.SX(0)))]
         parts += ca.vertsplit(self.constraints) if self.constraints.numel() else []
-        return ca.Function(self.lagrangian.name, [inputs], parts).serialize() + ",".join(self.names)
+        text = ca.Function(self.lagrangian.name, [inputs], parts).serialize() + ",".join(self.names)
+        if self.force is None:
+            return text
+        inputs = ca.vertcat(inputs, *[to_sx(r) for r in self.force.rates.values()])
+        return text + ca.Function("force", [inputs], self.force.columns).serialize() + self.force.words
 
     @property
     def timed(self) -> bool:
         """Whether L depends on the time."""
         total = ca.vertcat(*[term for part in PARTS for _, term in self.terms[part]])
+        if self.force is not None:
+            total = ca.vertcat(total, *self.force.columns)
         return bool(ca.depends_on(total, to_sx(self.places["t"])))
 
     @property
@@ -116,6 +151,16 @@ class Density:
         coordinate = [to_sx(v) for name, v in self.places.items() if name != "t"]
         frames = [ca.vec(to_sx(f)) for f in self.frames.values()]
         return bool(ca.depends_on(term, ca.vertcat(*own, *coordinate, *frames)))
+
+    def _own_constants(self, found: list[ca.SX], point: Mapping[str, Any]) -> list[ca.SX]:
+        """Expressions with the constants that a point gives in place of their symbols."""
+        pairs = zip(self.names, ca.vertsplit(self.parameters), strict=True)
+        own = [(symbol, ca.SX(to_sx(point[name]))) for name, symbol in pairs if name in point]
+        if not own:
+            return found
+        before, after = zip(*own, strict=True)
+        replaced: list[ca.SX] = ca.substitute(found, [ca.vertcat(*before)], [ca.vertcat(*after)])
+        return replaced
 
     def _inputs(self) -> ca.SX:
         flat = [*self.slots.values(), *self.frames.values(), *self.places.values()]
@@ -155,11 +200,12 @@ def trace(lagrangian: Lagrangian, constants: Mapping[str, Any]) -> Density:
             frames[name] = symbols(f"{name}_frame", 3, 3)
             offered[name] = RotationSymbol(frames[name], slots[name])
     places = {name: symbols(name) for name in ((along, "t") if along else ("t",))}
-    parameters, arrays = _constants(constants, where)
+    parameters, arrays = _constants({**lagrangian.defaults, **constants}, where)
     q = _Names(offered | places, f"{where}: unknown name q.{{}}")
     c = _Names(arrays, f"{where}: unknown constant c.{{}}")
     value = _call(lagrangian, q, c, where)
     constraints = _constraints(lagrangian, q, c, slots, places)
+    force = _force(lagrangian, q, c, slots, offered, places)
     unused = sorted(set(arrays) - c._used)
     if unused:
         raise ValueError(f"{where}: the constant {unused[0]} is given but never used; it uses {_listed(c._used)}")
@@ -174,6 +220,7 @@ def trace(lagrangian: Lagrangian, constants: Mapping[str, Any]) -> Density:
         names=tuple(n for n, _, _ in parameters),
         terms=terms,
         constraints=constraints,
+        force=force,
     )
 
 
@@ -239,15 +286,23 @@ class _Names:
         return self._values[name]
 
 
-def _call(lagrangian: Lagrangian, q: _Names, c: _Names, where: str) -> ca.SX:
+@contextmanager
+def _lines_told(function: Any, where: str) -> Iterator[None]:
+    """Tell the line of a function in which something goes wrong."""
     try:
-        value = lagrangian.function(q, c)
+        yield
     except Exception as error:
-        if str(error).startswith(where):
+        if str(error).startswith(where.partition(",")[0]):
             raise ValueError(str(error)) from None
         frame = traceback.extract_tb(error.__traceback__)
-        line = next((f for f in reversed(frame) if f.filename == lagrangian.function.__code__.co_filename), frame[-1])
+        file = getattr(getattr(function, "__code__", None), "co_filename", "")
+        line = next((f for f in reversed(frame) if f.filename == file), frame[-1])
         raise ValueError(f"{where}: {error}, in line {line.lineno}: {line.line}") from error
+
+
+def _call(lagrangian: Lagrangian, q: _Names, c: _Names, where: str) -> ca.SX:
+    with _lines_told(lagrangian.function, where):
+        value = lagrangian.function(q, c)
     shape = np.shape(value) if not isinstance(value, RotationSymbol) else (3, 3)
     if shape not in ((), (1,)) or value is None:
         raise ValueError(f"{where} returns {'None' if value is None else f'shape {shape}'}; it must return one number")
@@ -273,6 +328,34 @@ def _constraints(
         if ca.depends_on(found, to_sx(slots.get(name, places["t"]))):
             raise ValueError(f"{where} depends on q.{name}; it may depend on fields and their slopes only")
     return found
+
+
+def _force(
+    lagrangian: Lagrangian,
+    q: _Names,
+    c: _Names,
+    slots: Mapping[str, Expression],
+    offered: Mapping[str, Any],
+    places: Mapping[str, Expression],
+) -> Force | None:
+    """The force function on symbols, if there is one."""
+    if lagrangian.force is None:
+        return None
+    where = f"Lagrangian {lagrangian.name}, its force"
+    rotations = {name: offered[name] for name, kind in lagrangian.fields.items() if isinstance(kind, Rotation)}
+    with _lines_told(lagrangian.force, where):
+        found = trace_force(
+            lagrangian.force,
+            q,
+            c,
+            where,
+            fields=tuple(lagrangian.fields),
+            slots=slots,
+            rotations=rotations,
+            places=places,
+            along=lagrangian.interval,
+        )
+    return found if found.terms else None
 
 
 def _constants(constants: Mapping[str, Any], where: str) -> tuple[list[tuple[str, ca.SX, float]], dict[str, Any]]:

@@ -130,10 +130,13 @@ def _inverse_masses(w: Any, held: bool) -> tuple[list[ca.SX], list[tuple[ca.SX, 
     free, weight = symbols("free_next", w.layout.dofs), ca.SX.sym("weight_next")
     more = [(s, i, 1) for s, i in zip(_list(free), _range(w.rows.held), strict=True)]
     more.append((weight, w.rows.named["weight"], 1))
+    constants = [name for name in w.density.names if name in w.rows.named]
+    ahead = {name: wrap(ca.SX.sym(f"{name} of the next")) for name in constants}
+    more += [(to_sx(ahead[name]), w.rows.named[name], 1) for name in constants]
     found = []
     nodes = (
         (w.nodes[0], w.free[0], w.symbol["weight"], place),
-        (w.next, free, weight, place | {"here": place.get("right", 0.0)}),
+        (w.next, free, weight, place | {"here": place.get("right", 0.0)} | ahead),
     )
     for node, mask, heavy, where in nodes:
         point = node_point(w.layout, node, w.density.lagrangian.interval, where)

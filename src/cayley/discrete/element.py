@@ -29,7 +29,8 @@ def element_points(
         points: corners, middle or screw.
         layout: rows of a node.
         ends: values at the two nodes, shape (layout.rows,) each.
-        place: "inverse" 1/ds, "t", and the coordinates "left", "right" of the nodes.
+        place: "inverse" 1/ds, "t", the coordinates "left", "right" of the nodes, and "at points", if given the
+            constants that each point has of its own.
 
     Returns: (weight, point) pairs.
 
@@ -60,7 +61,8 @@ def element_points(
             shared[f"{name}_{along}"] = (b - a) * place["inverse"]
             for value, x in zip(values, (a, b) if points.corners else (0.5 * (a + b),), strict=True):
                 value[name] = x
-    return [(weight, shared | value) for weight, value in zip(points.weights, values, strict=True)]
+    own = place.get("at points", [{}] * len(values))
+    return [(w, shared | value | more) for w, value, more in zip(points.weights, values, own, strict=True)]
 
 
 def element_energy(

@@ -6,9 +6,11 @@ from typing import Any
 
 from cayley.density import Density
 from cayley.discrete.constraint import constrained_program, constrained_rows
-from cayley.discrete.embedded import constraint_program, point_program
-from cayley.discrete.fused import fused_program
+from cayley.discrete.embedded import POINT_PROGRAMS, point_program
+from cayley.discrete.forced import ForcedWriter
+from cayley.discrete.forcing import force_program
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import placed, plain
 from cayley.discrete.program import Program
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rows import Rows, assign_rows
@@ -29,7 +31,7 @@ class DiscreteEquations:
         layout: rows of a node.
         rows: rows of a block.
         uniforms: names of the uniform inputs, in order.
-        varying: names of inputs that differ from node to node.
+        varying: names of inputs that differ from node to node, and NAME@k of what differs within an element (places).
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 6; position-momentum form: Marsden and West (2001).
     """
@@ -43,28 +45,32 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """A program by its name; implicit rules have "inertia_point" and "strain_point", or "fused"."""
+        """A program by its name; implicit rules have those of POINT_PROGRAMS.
+
+        With non-conservative forces they have "force_point" and "node_force_point" too (see discrete.forcing).
+        """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
-            if name == "fused":
-                self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
-            elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
+            if name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
                 self._derived[name] = constrained_program(Writer(self), name)
-            elif name == "constraint_point":
-                self._derived[name] = constraint_program(self.density, self.layout, self.rule.strain, varying)
-            elif name.endswith("_point"):
+            elif "force_point" in name:
+                self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
+            elif name in POINT_PROGRAMS:
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
-                self._derived[name] = Writer(self).write(name)
+                self._derived[name] = (ForcedWriter if self.forced else Writer)(self).write(name)
         return self._derived[name]
+
+    @property
+    def forced(self) -> bool:
+        """Whether an explicit rule takes two sweeps a step and accounts for work (see discrete.forced)."""
+        return bool(self.rows.forced)
 
     @property
     def main_program(self) -> str:
         """Name of the program that does most of the work of a step."""
         if not self.rule.implicit:
             return "drift" if self.density.constraints.numel() else "step"
-        if self.rule.one_stage:
-            return "fused"
         return "strain_point" if self.density.lagrangian.interval else "inertia_point"
 
     @property
@@ -87,6 +93,8 @@ class DiscreteEquations:
         for block in self.blocks:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
             words.append(f"{names} {'explicit' if block.linear else 'by Newton'}")
+        if self.forced:
+            words.append("velocities of forces by a predictor")
         count = self.density.constraints.numel()
         solved = f"; {count} multiplier{'s' * (count > 1)} an element, block tridiagonal, by Newton" if count else ""
         return "decoupled nodes; " + "; ".join(words) + solved
@@ -107,7 +115,8 @@ def derive(
         density: traced Lagrangian.
         rule: quadrature rule.
         rotation: "quaternion" or "matrix".
-        varying: names of uniform inputs and constants that differ from node to node.
+        varying: names of uniform inputs and constants that differ from node to node, and NAME@k of those that differ
+            within an element (see discrete.places).
 
     Raises:
         ValueError: if the rotation form is unknown, or velocities are coupled with derivatives along the interval.
@@ -133,17 +142,22 @@ def derive(
             f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
             f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
         )
+    if density.constraints.numel() and density.force is not None and not rule.implicit:
+        raise ValueError(
+            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities with forces; "
+            f"use midpoint, screw_midpoint or galerkin(time=...)"
+        )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
-    unknown = sorted(set(varying) - set(candidates))
+    unknown = sorted({plain(name) for name in varying} - set(candidates))
     if unknown:
         raise ValueError(f"varying names {unknown[0]!r}; inputs are {', '.join(candidates)}")
     uniforms = tuple(name for name in candidates if name not in set(varying))
-    rows = assign_rows(
-        layout, [name for name in candidates if name not in uniforms], rule.cell, interval=along is not None
-    )
+    by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
+    forced = not rule.implicit and density.force is not None
+    rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
     rows = constrained_rows(rows, layout, density.constraints.numel())
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 

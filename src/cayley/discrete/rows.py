@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from cayley.density.force import KINDS
 from cayley.discrete.layout import Layout
 
 
@@ -22,6 +23,10 @@ class Rows:
         count: number of rows.
         cell: nodes of a lane: those of the element to its right without the end, m for degree m.
         constraint: what the programs of constrained densities read and write (see discrete.constraint).
+        forced: what those of densities with non-conservative forces do (see discrete.forced): "account", work and
+            loss of the nodes of a lane since the start; "pushed", time-dependent loads; "still", forces that are not in
+            the Lagrangian and do not depend on velocities; "force", all that do not; "rate", M⁻¹P; "predicted", v*;
+            "carried still" and "carried moving", handed from an element to its right node.
     """
 
     values: slice
@@ -33,9 +38,15 @@ class Rows:
     count: int
     cell: int = 1
     constraint: dict[str, slice] = field(default_factory=dict)
+    forced: dict[str, slice] = field(default_factory=dict)
+
+    @property
+    def kept(self) -> int:
+        """How many rows, the first ones, make a frame."""
+        return self.forced["account"].stop if self.forced else self.momenta.stop
 
 
-def assign_rows(layout: Layout, varying: list[str], cell: int = 1, *, interval: bool) -> Rows:
+def assign_rows(layout: Layout, varying: list[str], cell: int = 1, *, interval: bool, forced: bool = False) -> Rows:
     """Give everything a lane stores its row."""
     at = 0
 
@@ -45,6 +56,7 @@ def assign_rows(layout: Layout, varying: list[str], cell: int = 1, *, interval: 
         return slice(at - size, at)
 
     values, momenta = take(cell * layout.rows), take(cell * layout.dofs)
+    more = {"account": take(2)} if forced else {}
     carried = take(layout.dofs if interval else 0)
     held = take(cell * layout.dofs)
     named = {
@@ -53,4 +65,7 @@ def assign_rows(layout: Layout, varying: list[str], cell: int = 1, *, interval: 
     observed = {"velocity": take(cell * layout.dofs), "load": take(cell * layout.dofs), "energies": take(cell * 3)}
     if interval and cell == 1:
         observed |= {"left": take(layout.dofs), "right": take(layout.dofs), "slopes": take(layout.dofs)}
-    return Rows(values, momenta, carried, held, named, observed, at, cell)
+    if forced:
+        more |= {name: take(cell * layout.dofs) for name in ("pushed", "still", "force", "rate", "predicted")}
+        more |= {f"carried {kind}": take(layout.dofs if interval else 0) for kind in KINDS}
+    return Rows(values, momenta, carried, held, named, observed, at, cell, forced=more)

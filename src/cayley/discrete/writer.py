@@ -9,6 +9,7 @@ import numpy as np
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 from cayley.discrete.element import element_energy, element_forces, element_points
 from cayley.discrete.node import Inertia, corner_inertia, node_load, node_point
+from cayley.discrete.places import constants_at
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.program import Assign, Carry, Program, Step
 from cayley.discrete.rules import MIDDLE, lobatto, lobatto_weights
@@ -27,8 +28,11 @@ class Writer:
     next lane; the last node of a chain is in a cell of length 0, whose other nodes weigh nothing and stay at rest.
     """
 
+    _reads: list[tuple[ca.SX, int, int]]  # what the program written reads besides what all do
+
     def __init__(self, equations: "DiscreteEquations") -> None:
         """Make the symbols."""
+        self._reads = []
         self.density, self.rule, self.layout = equations.density, equations.rule, equations.layout
         self.rows, self.uniforms = equations.rows, equations.uniforms
         self.interval = self.density.lagrangian.interval is not None
@@ -56,13 +60,15 @@ class Writer:
         return [symbols(f"{name}{k or ''}", size) for k in self.cell]
 
     def _place(self, k: int = 0) -> dict[str, Any]:
-        """Where and when node k of a cell is."""
+        """Where and when node k of a cell is, and its own constants."""
         place = {name: wrap(self.symbol[name]) for name in (*UNIFORMS, "inverse", "here") if name in self.symbol}
         if k:
             place["here"] = place["here"] + float(lobatto(len(self.cell))[k]) * wrap(self.symbol["length"])
         if self.interval:
             place |= {"left": place["here"], "right": wrap(self.symbol["right"])}
-        return place
+            points = range(len(self.rule.strain.at))
+            place["at points"] = [constants_at(self.symbol, point) for point in points]
+        return place | constants_at(self.symbol, k)
 
     def _weights(self, k: int) -> tuple[Expression, Expression]:
         """Weight of node k of a cell and its inverse: inside an element its Lobatto share of the length."""
@@ -94,28 +100,37 @@ class Writer:
 
     def _impulse(self) -> tuple[list[Step], list[Expression]]:
         """Steps that find h × (forces on the nodes), and these sums."""
-        place = self._place()
+        return self._conservative(self._place()["h"])
+
+    def _conservative(self, factor: Any) -> tuple[list[Step], list[Expression]]:
+        """Steps that find factor × (forces of W and U on the nodes), and these sums."""
         loads = [
             node_load(self.density, self.layout, self.nodes[k], self._place(k)) * self._weights(k)[0] for k in self.cell
         ]
-        kicks = [load * place["h"] for load in loads]
+        kicks = [load * factor for load in loads]
         if not self.interval:
             return [], kicks
-        forces = self._element_forces(place)
-        scale = place["h"] * wrap(self.symbol["length"])
-        own = [symbols(n, self.layout.dofs) for n in ("left", *(f"inner{k}" for k in self.cell[1:]), "right")]
-        carried = symbols("carried", self.layout.dofs)
+        steps, pulls, mask = self._from_elements(self._element_forces(self._place()), factor, self.rows.carried)
+        return steps, [kick + pull * mask for kick, pull in zip(kicks, pulls, strict=True)]
+
+    def _from_elements(
+        self, forces: list[Expression], factor: Any, carried_rows: slice, label: str = ""
+    ) -> tuple[list[Step], list[Any], np.ndarray]:
+        """Steps that gather forces of elements on their nodes, these sums, and 1 for degrees of freedom with any."""
+        scale = factor * wrap(self.symbol["length"])
+        words = ("left", *(f"inner{k}" for k in self.cell[1:]), "right")
+        own = [symbols(label + n, self.layout.dofs) for n in words]
+        carried = symbols(label + "carried", self.layout.dofs)
         still = [all(to_sx(force[i]).is_zero() for force in forces) for i in range(self.layout.dofs)]
-        values = [entry for force in forces for entry in _entries(_where_element(scale, force * scale))]
+        values = [entry for force in forces for entry in _entries(where_element(scale, force * scale))]
         steps: list[Step] = [Assign(tuple(_all(own)), tuple(values))]
         moving = [i for i in range(self.layout.dofs) if not still[i]]
-        rows = _range(self.rows.carried)
+        rows = _range(carried_rows)
         pick = [(_entries(carried)[i], _entries(own[-1])[i], rows[i]) for i in moving]
         if pick:
             steps.append(Carry(*(tuple(column) for column in zip(*pick, strict=True))))
         mask = np.array([float(i in moving) for i in range(self.layout.dofs)])
-        pulls = [own[0] + carried, *own[1:-1]]
-        return steps, [kick + pull * mask for kick, pull in zip(kicks, pulls, strict=True)]
+        return steps, [own[0] + carried, *own[1:-1]], mask
 
     def _element_forces(self, place: Mapping[str, Any]) -> list[Expression]:
         """Forces on the nodes of an element, its right end last, per unit of its length."""
@@ -137,6 +152,16 @@ class Writer:
         steps.append(Assign(tuple(_all(given)), tuple(_all(moved))))
         scaled = [given[k] * self._weights(k)[1] for k in self.cell]
         steps.append(Assign(tuple(_all(pushed)), tuple(_all(scaled))))
+        solutions, after, momenta = self._moves(given, pushed, held=held)
+        steps += side_by_side(solutions)
+        stores = list(zip(_range(self.rows.values), _all(after), strict=True))
+        stores += list(zip(_range(self.rows.momenta), _all(momenta), strict=True))
+        return self._program("step_held" if held else "step", steps, stores)
+
+    def _moves(
+        self, given: list[Expression], pushed: list[Expression], *, held: bool
+    ) -> tuple[list[list[Step]], list[Expression], list[Expression]]:
+        """Steps that solve the equations of every node of a cell, values and momenta after the step."""
         solutions, after, momenta = [], [], []
         for k in self.cell:
             residual, column, inertia = self._residual(k, pushed[k])
@@ -148,10 +173,7 @@ class Writer:
             solutions.append(solve_steps(residual, column, blocks))
             after.append(inertia.after)
             momenta.append(momentum)
-        steps += side_by_side(solutions)
-        stores = list(zip(_range(self.rows.values), _all(after), strict=True))
-        stores += list(zip(_range(self.rows.momenta), _all(momenta), strict=True))
-        return self._program("step_held" if held else "step", steps, stores)
+        return solutions, after, momenta
 
     def _kick(self) -> Program:
         """Add h × forces to the momenta."""
@@ -171,39 +193,50 @@ class Writer:
         outputs["energies"] = energies
         pairs = [(self.rows.observed[n], _all(values)) for n, values in outputs.items()]
         stores = [pair for rows, values in pairs for pair in zip(_range(rows), values, strict=True)]
-        return self._program("observe", steps, stores)
+        return self._program("observe", steps, stores, self._reads)
 
     def _observe_node(self, k: int) -> tuple[list[Step], dict[str, Expression]]:
         """Steps that find the velocity of node k, and velocity, load and energies there."""
         place, layout, node = self._place(k), self.layout, self.nodes[k]
         weight, inverse = self._weights(k)
-        velocity = symbols(f"v{k or ''}", layout.dofs)
         point = node_point(layout, node, self.density.lagrangian.interval, place)
-        moving = point | {f"{name}_t": velocity[layout.dofs_of(name)] for name in layout.fields}
-        gradient = self.density.gradient("inertia", moving)
-        momentum = wrap(np.concatenate([gradient[f"{name}_t"] for name in layout.fields]))
-        residual = to_sx(self.free[k] * (momentum - self.momenta[k] * inverse) + (1.0 - self.free[k]) * velocity)
+        steps, velocity, momentum = self.velocity_of(k, point, self.momenta[k] * inverse, f"v{k or ''}")
         column = to_sx(velocity)
-        blocks = find_structure(ca.jacobian(to_sx(momentum), column) @ column, column)
-        steps = solve_steps(residual, column, blocks)
+        moving = point | {f"{name}_t": velocity[layout.dofs_of(name)] for name in layout.fields}
         kinetic = wrap(ca.dot(to_sx(momentum), column) - self.density.value("inertia", moving)) * weight
         stored = wrap(self.density.value("load", point)) * weight
         load = node_load(self.density, layout, node, place) * weight
         energies = wrap(np.array([_scalar(kinetic), ca.SX(0), _scalar(stored)], dtype=object))
         return steps, {"velocity": velocity, "load": load, "energies": energies}
 
+    def velocity_of(
+        self, k: int, point: Mapping[str, Any], given: Any, name: str
+    ) -> tuple[list[Step], Expression, Expression]:
+        """Steps that find the velocity of node k from its momentum per unit of weight, 0 where held; ∂T/∂q̇ of it."""
+        layout = self.layout
+        velocity = symbols(name, layout.dofs)
+        moving = dict(point) | {f"{name}_t": velocity[layout.dofs_of(name)] for name in layout.fields}
+        gradient = self.density.gradient("inertia", moving)
+        momentum = wrap(np.concatenate([gradient[f"{name}_t"] for name in layout.fields]))
+        residual = to_sx(self.free[k] * (momentum - given) + (1.0 - self.free[k]) * velocity)
+        column = to_sx(velocity)
+        blocks = find_structure(ca.jacobian(to_sx(momentum), column) @ column, column)
+        return solve_steps(residual, column, blocks), velocity, momentum
+
     def _observe_element(self) -> tuple[ca.SX, dict[str, Expression]]:
         """Strain energy of an element between two nodes; its forces on them and its slopes."""
         place, layout = self._place(), self.layout
         strain_at = self.rule.strain if self.rule.degree == 1 else MIDDLE  # results.interpolated does higher degrees
+        if "at points" in place:
+            place["at points"] = place["at points"][: len(strain_at.at)]
         ends, length = (self.nodes[0], self.next), wrap(self.symbol["length"])
         left, right = element_forces(self.density, strain_at, layout, ends, place)
         strain = wrap(element_energy(self.density, strain_at, layout, ends, place)) * length
-        outputs = {"left": _where_element(length, left * length), "right": _where_element(length, right * length)}
+        outputs = {"left": where_element(length, left * length), "right": where_element(length, right * length)}
         at = element_points(self.density, strain_at, layout, ends, place)[0][1]
         along = self.density.lagrangian.interval
         outputs["slopes"] = wrap(np.concatenate([at[f"{name}_{along}"] for name in layout.fields]))
-        return _scalar(_where_element(length, strain)), outputs
+        return _scalar(where_element(length, strain)), outputs
 
 
 def wrap_column(value: ca.SX) -> Expression:
@@ -220,7 +253,7 @@ def _all(values: Sequence[Any]) -> list[ca.SX]:
     return [entry for value in values for entry in _entries(value)]
 
 
-def _where_element(length: Expression, value: Expression) -> Expression:
+def where_element(length: Expression, value: Expression) -> Expression:
     """The value where there is an element, zero behind the last node of a chain (where it may be 0/0)."""
     one = length.view(np.ndarray).item()
     chosen = [e if e.is_zero() else ca.if_else(one != 0, e, 0) for e in _entries(wrap(np.atleast_1d(value)))]

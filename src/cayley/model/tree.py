@@ -45,7 +45,7 @@ def tree(model: Model) -> list[str]:
 
 def _size(part: Part) -> str:
     if isinstance(part, Rod):
-        return f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.section.name}"
+        return f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.stations.name}"
     return "point mass" if isinstance(part, PointMass) else "rigid body"
 
 

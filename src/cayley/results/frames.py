@@ -19,6 +19,7 @@ class Frames:
         origin: time of step 0 [s].
         h: time step [s].
         memory: what implicit rules remember of the step before the last frame (see State).
+        work: work and loss since the start (see State), shape (m, k, 2), or None.
     """
 
     times: np.ndarray
@@ -28,6 +29,7 @@ class Frames:
     origin: float
     h: float
     memory: np.ndarray | None = None
+    work: np.ndarray | None = None
 
     def state(self, k: int = -1) -> State:
         """The state of a frame, to go on from."""
@@ -38,4 +40,5 @@ class Frames:
             step=int(self.steps[k]),
             h=self.h,
             memory=self.memory if k in (-1, len(self.times) - 1) else None,
+            work=None if self.work is None else self.work[k].copy(),
         )

@@ -45,6 +45,7 @@ def observe(system: System, frames: Frames) -> Observations:
     """
     rows = system.equations.rows
     kernel = system.kernels["observe"]
+    predict = system.kernels["predict"] if system.equations.forced else None
     uniforms = np.zeros(kernel.width)  # its inputs, and room behind them
     uniforms[: len(system.uniforms)] = system.uniforms
     widths = {name: (own.stop - own.start) // rows.cell for name, own in rows.observed.items()}
@@ -52,6 +53,10 @@ def observe(system: System, frames: Frames) -> Observations:
     for k, time in enumerate(frames.times):
         data = pack(system, frames.state(k))
         uniforms[1] = uniforms[2] = time
+        if predict is not None:  # with a step of 0 the velocities are those of the frame
+            asked = np.zeros(predict.width)
+            asked[: len(system.uniforms)] = uniforms[: len(system.uniforms)]
+            predict(data, asked, 1, data.shape[0] - 1)
         kernel(data, uniforms, 1, data.shape[0] - 1)
         for name, own in rows.observed.items():
             part[name][k] = by_node(system, data[1:-1], own)

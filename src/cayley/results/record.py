@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from cayley.model import Model, Part, Rod, Section
+from cayley.model.curve import Shape
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
+from cayley.model.stations import Stations
 from cayley.model.supports import Support
 from cayley.results.tie_record import (
     body_record,
@@ -57,16 +59,14 @@ def model_record(model: Model) -> dict[str, Any]:
 
     Numbers are those of the model, bit for bit: JSON writes the shortest decimals that read back the same.
     """
-    sections: list[Section] = []
+    sections: dict[int, Section] = {}
     for rod in model.rods:
-        if not any(rod.section is section for section in sections):
-            sections.append(rod.section)
+        for section in _all_sections(rod.stations):
+            sections.setdefault(id(section), section)
+    numbers = {identity: k for k, identity in enumerate(sections)}
     return {
-        "sections": [_section_record(section) for section in sections],
-        "rods": [
-            _rod_record(rod) | {"section": next(k for k, s in enumerate(sections) if s is rod.section)}
-            for rod in model.rods
-        ],
+        "sections": [_section_record(section) for section in sections.values()],
+        "rods": [_rod_record(rod) | {"section": _numbered(rod.stations, numbers)} for rod in model.rods],
         "supports": [
             {
                 **port_record(support.port, model),
@@ -94,7 +94,7 @@ def model_from(
         motions: prescribed motions that were functions of time, by "name of the joint/quantity".
     """
     sections = [Section(**(given | {"name": str(given["name"])})) for given in record["sections"]]
-    rods = [Rod(**(given | {"section": sections[given["section"]]})) for given in record["rods"]]
+    rods = [_rod_from(given, sections) for given in record["rods"]]
     parts = parts_from(record, rods)
     bodies = [part for part in parts if not isinstance(part, Rod)]
     supports = [
@@ -122,8 +122,8 @@ def name_of(part: Any, model: Model | None) -> str | None:
     pairs = [(rod, model.name_of(rod)) for rod in model.rods]
     same = [name for rod, name in pairs if rod is part]
     if not same:
-        own = _rod_record(part), _section_record(part.section)
-        same = [name for rod, name in pairs if (_rod_record(rod), _section_record(rod.section)) == own]
+        own = _whole_record(part)
+        same = [name for rod, name in pairs if _whole_record(rod) == own]
     return same[0] if len(same) == 1 else None
 
 
@@ -134,7 +134,37 @@ def _section_record(section: Section) -> dict[str, Any]:
         "mass_per_length": section.mass_per_length,
         "inertia": section.inertia.tolist(),
         "outline": section.outline.tolist(),
+        **({"mass_center": list(section.mass_center)} if any(section.mass_center) else {}),
     }
+
+
+def _all_sections(given: Section | Stations) -> list[Section]:
+    return [given] if isinstance(given, Section) else [section for own in given.sections for section in own]
+
+
+def _numbered(given: Section | Stations, numbers: Mapping[int, int]) -> Any:
+    """A section by its number among those of the model; stations as those of every element, with their name."""
+    if isinstance(given, Section):
+        return numbers[id(given)]
+    return {"name": given.name, "stations": [[numbers[id(section)] for section in own] for own in given.sections]}
+
+
+def _whole_record(rod: Rod) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    return _rod_record(rod), [_section_record(section) for section in _all_sections(rod.stations)]
+
+
+def _rod_from(record: Mapping[str, Any], sections: Sequence[Section]) -> Rod:
+    """Make a rod of its record."""
+    given = dict(record)
+    section = given["section"]
+    if isinstance(section, Mapping):
+        rows = tuple(tuple(sections[k] for k in own) for own in section["stations"])
+        given["section"] = Stations(rows, str(section["name"]))
+    else:
+        given["section"] = sections[section]
+    if given.get("shape") is not None:
+        given["shape"] = Shape(**{name: np.array(given["shape"][name]) for name in ("position", "rotation")})
+    return Rod(**given)
 
 
 def _rod_record(rod: Rod) -> dict[str, Any]:
@@ -146,7 +176,14 @@ def _rod_record(rod: Rod) -> dict[str, Any]:
         "direction": list(rod.direction),
         "normal": None if rod.normal is None else list(rod.normal),
         **({} if rod.kinematics == "shearable" else {"kinematics": rod.kinematics}),
+        **({} if rod.spacing is None else {"spacing": list(rod.spacing)}),
+        **({} if rod.stretched == 1.0 else {"stretched": rod.stretched}),
+        **({} if rod.shape is None else {"shape": _shape_record(rod.shape)}),
     }
+
+
+def _shape_record(shape: Shape) -> dict[str, Any]:
+    return {"position": shape.position.tolist(), "rotation": shape.rotation.tolist()}
 
 
 def _index(rod: Rod, model: Model) -> int:

@@ -2,6 +2,7 @@
 
     /                    attributes: format, version, rule, fields, model, ...
     /time, /step, /kinetic_energy, /strain_energy, /load_energy                     (time)
+    /work                of loads and forces, and loss, where accounted for         (time, cell, account)
     /nodes               coordinates along the interval                             (node)
     /fields/NAME/value, momentum, velocity, and on an interval slope, resultant     (time, node, component)
     /loads/K/value       of each load of the model that is a function of time       (time, axis)
@@ -140,7 +141,9 @@ def _write(run: Trajectory, path: Path) -> None:
     _put(root, {name: ("J", getattr(observed, key)) for key, name in _ENERGIES.items()}, ("time",))
     _put(root, {"nodes": ("m", run.outline.nodes)}, ("node",))
     if frames.memory is not None:
-        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row"))
+        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row")[: frames.memory.ndim])
+    if frames.work is not None:
+        _put(root, {"work": ("J", frames.work)}, ("time", "cell", "account"))
     for name in layout.fields:
         group = root.create_group(f"fields/{name}")
         _put(group, times, ("time",))
@@ -210,7 +213,8 @@ def _read(root: Any, about: Mapping[str, Any]) -> tuple[Frames, Outline, Observa
         momenta=np.empty((*count, layout.dofs)),
         origin=float(about["origin"]),
         h=float(about["dt"]),
-        memory=_memory(root),
+        memory=_optional(root, "memory"),
+        work=_optional(root, "work"),
     )
     arrays = {f.name: np.zeros((*count, layout.dofs)) for f in fields(Observations) if f.name not in _ENERGIES}
     energies = {key: _get(root, name, times.shape) for key, name in _ENERGIES.items()}
@@ -221,9 +225,9 @@ def _read(root: Any, about: Mapping[str, Any]) -> tuple[Frames, Outline, Observa
     return frames, outline, observed
 
 
-def _memory(root: Any) -> np.ndarray | None:
-    """What an implicit rule remembered of its last step."""
-    return _get(root, "memory", root["memory"].shape) if "memory" in root else None
+def _optional(root: Any, name: str) -> np.ndarray | None:
+    """What only some runs have: what an implicit rule remembered of its last step, work and loss."""
+    return _get(root, name, root[name].shape) if name in root else None
 
 
 def _get(root: Any, name: str, shape: tuple[int, ...], *, kind: type = np.float64) -> np.ndarray:

@@ -176,6 +176,34 @@ class Trajectory:
         return self._series(total, "energy", "J")
 
     @property
+    def work(self) -> "xr.DataArray":
+        """Work since the start of loads and forces that do not depend on velocities, gravity apart [J], dims (time,).
+
+        Added up every step, Σ h F·v.
+
+        Raises:
+            ValueError: if the run kept no account of it.
+        """
+        return self._series(self._account(0), "work", "J")
+
+    @property
+    def dissipated(self) -> "xr.DataArray":
+        """Minus the work since the start of forces that depend on velocities [J], dims (time,); as work."""
+        return self._series(self._account(1), "dissipated", "J")
+
+    @property
+    def energy_balance(self) -> "xr.Dataset":
+        """Energy, work, dissipated, and defect = change of energy − work + dissipated [J], dims (time,).
+
+        The defect is what the steps lose or gain; it vanishes with the order of the rule.
+        """
+        import xarray as xr
+
+        energy, work, dissipated = self.energy, self.work, self.dissipated
+        defect = self._series((energy - energy[0] - work + dissipated).values, "defect", "J")
+        return xr.Dataset({"energy": energy, "work": work, "dissipated": dissipated, "defect": defect})
+
+    @property
     def linear_momentum(self) -> "xr.DataArray":
         """Linear momentum, Σ μ_x [kg m/s], dims (time, axis)."""
         total = sum((self._momenta(name).sum(axis=1) for name in self._vectors()), start=np.zeros((len(self.time), 3)))
@@ -245,6 +273,16 @@ class Trajectory:
         from cayley.results.store import open_run
 
         return open_run(path, model=model)
+
+    def _account(self, column: int) -> np.ndarray:
+        """Work (0) or loss (1) since the first frame, shape (m,)."""
+        if self.frames.work is None:
+            raise ValueError(
+                "this run kept no account of work: there are no forces beside the Lagrangian, and with balance=True a "
+                "run keeps it for loads alone"
+            )
+        total: np.ndarray = self.frames.work[..., column].sum(axis=-1)
+        return total - total[0]
 
     def _series(self, values: np.ndarray, long_name: str, units: str) -> "xr.DataArray":
         coordinates: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}

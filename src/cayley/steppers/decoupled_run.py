@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cayley.codegen.abi import ARGUMENTS
 from cayley.steppers import decoupled
 from cayley.steppers.outcome import Outcome, Result
-from cayley.system.system import State, System, aligned, by_node, pack
+from cayley.system.system import State, System, aligned, by_node, gather, pack
 
 TILE = 32
 """Blocks of a tile: with its neighbors in the wavefront it stays in a second-level cache."""
@@ -24,15 +25,15 @@ class Plan:
     """Everything the driver needs besides state and loads.
 
     Args:
-        kernels: addresses of run and setup of step, step_held and kick, shape (3, 2).
-        uniforms: their uniform inputs and room behind them, shape (3, width).
+        kernels: addresses of run and setup of step, step_held, kick and predict, shape (4, 2).
+        uniforms: their uniform inputs and room behind them, shape (4, width).
         timed: whether the density depends on time.
         spans: tiles, (first block, last block, held), shape (tiles, 3).
         depth: steps a tile takes together.
         held: (block, row, lane) of momenta that stay zero, shape (m, 3).
         entries: loads by node, sorted by tile, shape (k, 7).
         scales: their factors, shape (k,).
-        places: first entry of each tile, shape (tiles + 1,).
+        places: first entry of each tile, shape (tiles + 1,); with forces a predictor takes all entries, tiles none.
     """
 
     kernels: np.ndarray
@@ -52,7 +53,7 @@ def run(
     *,
     stride: int,
     saves: int,
-    receive: Callable[[np.ndarray, np.ndarray], None],
+    receive: Callable[..., None],
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before.
@@ -62,7 +63,8 @@ def run(
         state: where it starts; its h is the time step [s].
         stride: steps between two frames.
         saves: number of frames.
-        receive: called with values (m, nodes, rows) and momenta (m, nodes, dofs) of frames, as they come.
+        receive: called with values (m, nodes, rows) and momenta (m, nodes, dofs) of frames, as they come, and with
+            work=(m, cells, 2) where there are forces (see State).
         progress: called with (fraction done, time [s]) between calls of the driver.
 
     Returns: how it ended and the last good state.
@@ -70,7 +72,7 @@ def run(
     plan = make_plan(system)
     data = pack(system, state)
     rows = system.equations.rows
-    kept = rows.momenta.stop
+    kept = rows.kept
     before = aligned(data.shape)
     done = 0
     while done < saves:
@@ -80,8 +82,13 @@ def run(
         outcome, reached = _advance(system, plan, data, state, stride, frames)
         if reached:
             values, momenta = (by_node(system, frames[:reached], part) for part in (rows.values, rows.momenta))
-            receive(values, momenta)
             state = replace(state, values=values[-1], momenta=momenta[-1], step=state.step + reached * stride)
+            if rows.forced:
+                work = gather(frames[:reached], rows.forced["account"], system.cells)
+                receive(values, momenta, work=work)
+                state = replace(state, work=work[-1])
+            else:
+                receive(values, momenta)
         if outcome is not Outcome.FINISHED:
             if reached:
                 before[1:-1, :kept] = frames[reached - 1]
@@ -95,9 +102,8 @@ def run(
 def prepare(system: System) -> None:
     """Compile or load everything a run of the system calls, so that running is all that takes time then."""
     state = State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs)), h=1.0)
-    rows = system.equations.rows.momenta.stop
     data = pack(system, state)
-    frames = np.empty((0, data.shape[0] - 2, rows, data.shape[2]))
+    frames = np.empty((0, data.shape[0] - 2, system.equations.rows.kept, data.shape[2]))
     _advance(system, make_plan(system), data, state, 1, frames)
 
 
@@ -111,7 +117,7 @@ def make_plan(system: System) -> Plan:
     held_node, held_dof = np.nonzero(~system.free)
     with_held = np.zeros(blocks + 2, dtype=bool)
     with_held[block[held_node]] = True
-    large = blocks * rows.momenta.stop * lanes * 8 > CACHED_BYTES
+    large = not rows.forced and blocks * rows.momenta.stop * lanes * 8 > CACHED_BYTES
     cuts = {1, blocks + 1} | (set(range(1, blocks + 1, TILE)) if large else set())
     cuts |= {int(b) for b in np.flatnonzero(np.diff(with_held.astype(int))) + 1 if 1 <= b <= blocks}
     edges = sorted(cuts)
@@ -124,16 +130,21 @@ def make_plan(system: System) -> Plan:
         form = loads.form + 2 * (loads.form > 0) * (layout.representation.rows == 9)
         tile = np.searchsorted(spans[:, 0], block[node], side="right") - 1
         turn = position[node] * layout.rows + loads.turn
-        columns = [block[node], lane[node], momenta[node] + loads.dof, turn, form, loads.column, tile]
+        target = rows.forced["pushed"].start + position * layout.dofs if rows.forced else momenta
+        columns = [block[node], lane[node], target[node] + loads.dof, turn, form, loads.column, tile]
         order = np.argsort(tile, kind="stable")
         entries = np.column_stack(columns).astype(np.int64)[order]
         scales = np.ascontiguousarray(loads.scale[order])
     places = np.searchsorted(entries[:, 6], np.arange(len(spans) + 1))
-    names = ("step", "step_held" if len(held) else "step", "kick")
+    names = ["step", "step_held" if len(held) else "step", "kick"]
+    if rows.forced:
+        names.append("predict")
+        places[:] = 0
     found = [system.kernels[name] for name in names]
-    uniforms = np.zeros((3, max(kernel.width for kernel in found)))
+    uniforms = np.zeros((4, max(kernel.width for kernel in found)))
     uniforms[:, : len(system.uniforms)] = system.uniforms
-    kernels = np.array([(kernel.run, kernel.setup) for kernel in found], dtype=np.int64)
+    kernels = np.zeros((4, 2), dtype=np.int64)
+    kernels[: len(found)] = [(kernel.run, kernel.setup) for kernel in found]
     timed = system.equations.density.timed
     return Plan(kernels, uniforms, timed, spans, DEPTH if large else 1, held, entries, scales, places)
 
@@ -156,7 +167,7 @@ def _advance(
     clock = np.array([state.origin, state.h, float(state.step)])
     saves, blocks, kept, lanes = frames.shape
     failed = decoupled.advance(
-        dict(zip(("step", "step_setup", "held", "held_setup", "kick", "kick_setup"), plan.kernels.flat, strict=True))
+        dict(zip(ARGUMENTS[:8], plan.kernels.flat, strict=True))
         | {"data": data, "blocks": blocks, "rows": data.shape[1], "lanes": lanes, "kept": kept}
         | {"uniforms": plan.uniforms, "width": plan.uniforms.shape[1], "timed": plan.timed}
         | {"spans": plan.spans, "tiles": len(plan.spans), "depth": plan.depth}
@@ -173,7 +184,7 @@ def _advance(
 
 def _locate(system: System, plan: Plan, data: np.ndarray, state: State, stride: int, outcome: Outcome) -> Result:
     """Repeat the last interval step by step to find the step and the node that failed."""
-    frame = np.empty((1, data.shape[0] - 2, system.equations.rows.momenta.stop, data.shape[2]))
+    frame = np.empty((1, data.shape[0] - 2, system.equations.rows.kept, data.shape[2]))
     good = aligned(data.shape)
     for k in range(stride):
         good[:] = data

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -10,19 +9,12 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
-from cayley.steppers import constrained_implicit_plan, galerkin_plan, onestage_plan
+from cayley.steppers.implicit_plan import advance, make_plan
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import LoadEntries, State, System
 
 CHUNK = 2_000
 """Most steps in one call of the driver."""
-
-
-def scheme_of(system: System) -> ModuleType:
-    """The scheme that steps a system: the quick one where a step has one stage and an element two nodes."""
-    if system.equations.density.constraints.numel():
-        return constrained_implicit_plan
-    return onestage_plan if system.equations.rule.one_stage else galerkin_plan
 
 
 def run(
@@ -37,22 +29,22 @@ def run(
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
     if system.layout.representation.name != "quaternion":
         return _run_turned(system, state, stride=stride, saves=saves, receive=receive, progress=progress)
-    scheme = scheme_of(system)
-    plan = scheme.make_plan(system, state)
+    plan = make_plan(system)
     rows = system.layout.rows
     done = 0
     while done < saves:
         count = max(1, min(saves - done, CHUNK // stride))
         frames = np.empty((count, system.size, rows + system.layout.dofs))
-        outcome, reached, counts, memory, history = scheme.advance(system, plan, state, stride, frames)
+        call = advance(plan, state, stride, frames)
+        outcome, reached, counts = call.outcome, call.reached, call.counts
         if reached:
             values, momenta = frames[:reached, :, :rows], frames[:reached, :, rows:]
             receive(values.copy(), momenta.copy())
             last = state.step + reached * stride
-            known = memory if outcome is Outcome.FINISHED else None  # after a failure it is not that of the last frame
+            known = call.memory if outcome is Outcome.FINISHED else None  # after a failure it is not that of the last frame
             state = replace(state, values=values[-1].copy(), momenta=momenta[-1].copy(), step=last, memory=known)
         if outcome is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), history)
+            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), call.history)
         done += count
         if progress is not None:
             progress(done / saves, state.time)
@@ -73,11 +65,11 @@ def _run_turned(
     as quaternions too, so that a run goes on bit for bit.
     """
     inner = embedded(system)
-    values, memory = _turned(system, inner, state.values, to_quaternion=True), None
-    if state.memory is not None and state.memory.shape[2] == inner.layout.rows:
-        remembered = state.memory[:, -1].copy()
+    values, memory, size = _turned(system, inner, state.values, to_quaternion=True), None, inner.reference.size
+    if state.memory is not None and state.memory.ndim == 1 and len(state.memory) > size:
+        remembered = state.memory[-size:].reshape(inner.reference.shape)
         if np.array_equal(_turned(system, inner, remembered, to_quaternion=False), state.values):
-            values, memory = remembered, state.memory[:, :-1].copy()
+            values, memory = remembered.copy(), state.memory[:-size]
 
     def receive_turned(values: np.ndarray, momenta: np.ndarray) -> None:
         receive(_turned(system, inner, values, to_quaternion=False), momenta)
@@ -85,7 +77,7 @@ def _run_turned(
     begin = replace(state, values=values, memory=memory)
     result = run(inner, begin, receive=receive_turned, **options)
     end = result.state
-    memory = None if end.memory is None else np.concatenate([end.memory, end.values[:, None]], axis=1)
+    memory = None if end.memory is None else np.concatenate([end.memory, end.values.reshape(-1)])
     reached = state.values if end is begin else _turned(system, inner, end.values, to_quaternion=False)
     return replace(result, state=replace(end, values=reached, memory=memory))
 
@@ -127,8 +119,4 @@ def _turned_loads(system: System, layout: Layout) -> LoadEntries | None:
 
 def prepare(system: System) -> None:
     """Compile or load everything a run of the system calls."""
-    system = embedded(system)
-    state = State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs)), h=1.0)
-    frames = np.empty((0, system.size, system.layout.rows + system.layout.dofs))
-    scheme = scheme_of(system)
-    scheme.advance(system, scheme.make_plan(system, state), state, 1, frames)
+    make_plan(embedded(system))

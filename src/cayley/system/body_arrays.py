@@ -22,6 +22,8 @@ def body_arrays(body: Body | PointMass, gravity: np.ndarray, rod: PartArrays | N
     constants = {"stiffness": np.eye(6)[None]} if rod is None else {n: v[-1:] for n, v in rod.constants.items()}
     inertia = body.inertia if isinstance(body, Body) else np.eye(3)
     constants |= {"mass": np.array([body.mass]), "inertia": np.asarray(inertia)[None], "gravity": gravity[None]}
+    if "first_moment" in constants:
+        constants["first_moment"] = np.zeros((1, 3))  # a body's position is that of its mass center
     x, p = body.place(0)
     named = {"weight": np.ones(1), "1/weight": np.ones(1), "length": np.zeros(1), "here": np.zeros(1)}
     named["inverse"] = np.ones(1) if rod is None else rod.named["inverse"][-1:]

@@ -10,6 +10,7 @@ from cayley.codegen.kernels import Kernels, lanes_for
 from cayley.density import library, trace
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import name_at, placed, plain
 from cayley.discrete.rules import Rule
 from cayley.model import Model, Part, PointMass, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
@@ -18,7 +19,7 @@ from cayley.system.compile import uniform_values
 from cayley.system.connect import connect
 from cayley.system.couplings import Coupling
 from cayley.system.redundancy import redundant
-from cayley.system.rod_arrays import rod_arrays
+from cayley.system.rod_arrays import STRAIN_CONSTANTS, PartArrays, rod_arrays
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
 
@@ -48,12 +49,15 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
         rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
         for part in model.parts
     ]
-    constants = {name: np.concatenate([part.constants[name] for part in parts]) for name in parts[0].constants}
-    density = trace(library_density, {name: _pattern(values) for name, values in constants.items()})
+    constants = _joined(parts)
+    patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
+    density = trace(library_density, patterns)
     entries = {name: _entry(constants, name) for name in density.names}
+    entries |= _within(constants, entries, rule)
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
-    varying = [name for name, values in entries.items() if np.any(values != values[0])]
+    varying = [name for name, values in entries.items() if name != plain(name) or np.any(values != values[0])]
+    _refuse_within(rule, varying)
     equations = derive(density, rule, rotation=rotation, varying=varying)
     named |= {name: entries[name] for name in varying}
     layout, counts = equations.layout, [part.size for part in parts]
@@ -186,9 +190,51 @@ def _one_kinematics(rods: Sequence[Rod]) -> str:
     return found[0]
 
 
-def _pattern(values: np.ndarray) -> np.ndarray:
-    """Values that are equal everywhere; else one that is zero only where all are, shape of one of them."""
+def _joined(parts: Sequence[PartArrays]) -> dict[str, np.ndarray]:
+    """Constants of all nodes; a part without values of its own at a place of an element has those of place 0 there."""
+    names = dict.fromkeys(name for part in parts for name in part.constants)
+    return {
+        name: np.concatenate([part.constants.get(name, part.constants[plain(name)]) for part in parts])
+        for name in names
+    }
+
+
+def _pattern(constants: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """A constant that is equal everywhere; of another, values that are zero only where all are."""
+    values = np.concatenate([own for other, own in constants.items() if plain(other) == name])
     return values[0] if np.all(values == values[0]) else np.abs(values).max(axis=0)
+
+
+def _within(
+    constants: Mapping[str, np.ndarray], entries: Mapping[str, np.ndarray], rule: Rule
+) -> dict[str, np.ndarray]:
+    """Entries that differ within an element, by their names at each place (see discrete.places)."""
+    found = {}
+    for label, values in entries.items():
+        constant, _, index = label.removeprefix("c.").partition("[")
+        for k in range(1, max(rule.cell, len(rule.strain.at))):
+            if constant in STRAIN_CONSTANTS:
+                key = name_at(constant, k)
+                own = _entry(constants, f"c.{key}[{index}") if key in constants else values
+            else:  # of node k of the cell
+                own = np.roll(values, -k) if k < rule.cell else values
+            if np.any(own != values):
+                found[name_at(label, k)] = own
+    return found
+
+
+def _refuse_within(rule: Rule, varying: Sequence[str]) -> None:
+    """Refuse rules whose stepper reads constants once an element where they differ within it.
+
+    Raises:
+        ValueError: there are such constants.
+    """
+    within = placed(varying)
+    if within and rule.implicit:
+        raise ValueError(
+            f"the rule {rule} does not read {plain(within[0])} at every strain point yet, and it differs within an "
+            "element here (curved or tapered rods); use midpoint, screw_midpoint, galerkin(time=...) or explicit rules"
+        )
 
 
 def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:

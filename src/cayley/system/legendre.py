@@ -8,7 +8,7 @@ import numpy as np
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.node import node_point
 from cayley.discrete.representation import continuous
-from cayley.system.system import State, System
+from cayley.system.system import State, System, by_node, pack
 
 
 def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, time: float = 0.0) -> State:
@@ -25,6 +25,17 @@ def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, t
     values = _in_one_hemisphere(system, values)
     momenta = momenta_of(system, values, np.where(system.free, velocity, 0.0), time)
     return State(values=values, momenta=np.where(system.free, momenta, 0.0), origin=time)
+
+
+def velocities_of(system: System, state: State) -> np.ndarray:
+    """Velocities of every node, shape (nodes, dofs), from its momenta, zero where held."""
+    kernel, rows = system.kernels["observe"], system.equations.rows
+    uniforms = np.zeros(kernel.width)
+    uniforms[: len(system.uniforms)] = system.uniforms
+    uniforms[1] = uniforms[2] = state.time
+    data = pack(system, state)
+    kernel(data, uniforms, 1, data.shape[0] - 1)
+    return by_node(system, data[1:-1], rows.observed["velocity"])
 
 
 def _in_one_hemisphere(system: System, values: np.ndarray) -> np.ndarray:

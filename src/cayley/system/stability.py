@@ -7,8 +7,10 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import mass_matrix, node_load, node_point, tangent
+from cayley.discrete.places import constants_at, placed
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.rules import lobatto_weights
+from cayley.system.damping import forced_matrices
 from cayley.system.system import System
 
 SHARPNESS = 1.02
@@ -16,8 +18,12 @@ DENSE = 400
 """Up to so many degrees of freedom all eigenvalues of the dense matrix are quicker."""
 
 
-def stable_dt(system: System, values: np.ndarray, *, enough: float = np.inf) -> float:
-    """Largest stable step 2/ω_max for the system linearized about values.
+def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = None, *, enough: float = np.inf) -> float:
+    """Largest stable step min(2/ω_max, 2/δ_max) for the system linearized about values and velocities.
+
+    δ_max, of forces that depend on velocities, is the largest eigenvalue of M⁻¹D, D the symmetric part of −∂G/∂q̇. With
+    z = hδ, a step of a mode (discrete.forced) has determinant 1 − z + z²/2 and is stable for z < 2 and
+    (hω)² < (4 − 2z + z²)/(1 − z/2), which is 4 at least; matrices K and D that do not commute were tried at random.
 
     For lumped masses ω_max² ≤ max over elements of λ_max(M_e⁻¹ K_e) (Irons and Treharne 1971, Fried 1972), with each
     node's mass shared between its elements. The bound is then lowered as far as a Cholesky factorization of σM − K,
@@ -26,21 +32,32 @@ def stable_dt(system: System, values: np.ndarray, *, enough: float = np.inf) -> 
     Args:
         system: the system.
         values: where to linearize, shape (nodes, rows).
+        rates: velocities there, shape (nodes, dofs); at rest without them. They count with forces that depend on them.
         enough: stop at the first bound if it already allows this step [s].
 
     Returns: the step [s]; infinite where nothing oscillates.
     """
     masses, stiffness = _matrices(system, values)
-    bound = _largest(_scaled_elements(system, masses, stiffness))
-    if bound <= 0.0:
-        return float("inf")
-    if enough * np.sqrt(bound) <= 2.0:
-        return float(2.0 / np.sqrt(bound))
-    bands = _assemble(system, masses, stiffness, system.free)
-    if system.size * system.layout.dofs <= DENSE:
-        largest = _exact(bands)
+    if not system.equations.forced:
+        largest = _highest(system, masses, stiffness, 4.0 / enough**2)
         return float(2.0 / np.sqrt(largest)) if largest > 0.0 else float("inf")
-    return float(2.0 / np.sqrt(_certify(bands, bound)))
+    motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates
+    more, damping = forced_matrices(system, _inputs(system, values), _lengths(system), motion)
+    squared = _highest(system, masses, (stiffness[0] + more[0], stiffness[1] + more[1]), 4.0 / enough**2)
+    rate = _highest(system, masses, damping, 2.0 / enough)
+    limits = [2.0 / np.sqrt(squared) if squared > 0.0 else np.inf, 2.0 / rate if rate > 0.0 else np.inf]
+    return float(min(limits))
+
+
+def _highest(system: System, masses: np.ndarray, matrices: tuple[np.ndarray, np.ndarray], harmless: float) -> float:
+    """Bound of the largest eigenvalue of M⁻¹A, its root sharp to 2 % unless harmless; 0 if none is positive."""
+    bound = _largest(_scaled_elements(system, masses, matrices))
+    if bound <= harmless:
+        return max(bound, 0.0)
+    bands = _assemble(system, masses, matrices, system.free)
+    if system.size * system.layout.dofs <= DENSE:
+        return max(_exact(bands), 0.0)
+    return _certify(bands, bound)
 
 
 def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
@@ -53,7 +70,9 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
     along = density.lagrangian.interval
     ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rows.cell + 1)]
     names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
+    extra = {n: ca.SX.sym(n) for n in placed(equations.varying)}
     place = names | {"here": names["left"]}
+    place["at points"] = [constants_at(extra, k) for k in range(len(equations.rule.strain.at))]
     tangents = [tangent(layout, end) for end in ends]
     load = to_sx(node_load(density, layout, ends[0], place)) * to_sx(names["weight"])
     outputs = [
@@ -68,7 +87,8 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
         both = ca.vertcat(*[to_sx(f) for f in forces]) * to_sx(names["length"])
         turn = ca.diagcat(*tangents)
         outputs.append(-ca.jacobian(both, ca.vertcat(*[to_sx(e) for e in ends])) @ turn)
-    inputs = ca.vertcat(*[to_sx(e) for e in ends], *[to_sx(v) for v in names.values()], density.parameters)
+    columns = [*(to_sx(e) for e in ends), *(to_sx(v) for v in names.values()), density.parameters, *extra.values()]
+    inputs = ca.vertcat(*columns)
     function = ca.Function("linearized", [inputs], [ca.densify(o) for o in outputs])
     inputs_at = _inputs(system, values)
     used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs]))}
@@ -114,6 +134,7 @@ def _inputs(system: System, values: np.ndarray) -> np.ndarray:
     inverse = named.get("inverse", known.get("inverse", 1.0) * ones)
     columns = [inverse, here, np.roll(here, -cell), zeros, named["weight"], lengths]
     constants = [named.get(name, known.get(name, 0.0) * ones) for name in system.equations.density.names]
+    constants += [named[name] for name in placed(system.equations.varying)]
     return np.column_stack([values, others, *columns, *constants])
 
 

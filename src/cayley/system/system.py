@@ -25,6 +25,9 @@ class State:
         h: the time step [s], or 0 before the first.
         memory: control nodes of the step before, without its last, from which implicit rules guess the next step;
             None where there is none. Shape (nodes, degree in time, layout.rows).
+        work: work of loads and forces that are not in the Lagrangian and do not depend on velocities, and loss by those
+            that do [J], since the run began; entry by entry as a stepper adds them up, shape (k, 2), of explicit rules
+            one for each cell; None where nothing is accounted for.
     """
 
     values: np.ndarray
@@ -33,6 +36,7 @@ class State:
     step: int = 0
     h: float = 0.0
     memory: np.ndarray | None = None
+    work: np.ndarray | None = None
 
     @property
     def time(self) -> float:
@@ -130,7 +134,8 @@ class System:
     def stable_dt(self, state: State | None = None, *, enough: float = np.inf) -> float:
         """Largest stable time step of an explicit rule [s], for the system linearized about a state.
 
-        h = 2/ω_max, with ω_max an upper bound of the highest frequency: guaranteed, and sharp to 2 %.
+        h = 2/ω_max, with ω_max an upper bound of the highest frequency: guaranteed, and sharp to 2 %; with forces that
+        depend on velocities also h ≤ 2/δ_max, δ_max their highest rate of decay.
 
         Args:
             state: the state; without one a straight, unstrained reference.
@@ -142,7 +147,11 @@ class System:
             return float("inf")
         from cayley.system.stability import stable_dt
 
-        return stable_dt(self, self.reference if state is None else state.values, enough=enough)
+        if state is None or not self.equations.forced:
+            return stable_dt(self, self.reference if state is None else state.values, enough=enough)
+        from cayley.system.legendre import velocities_of
+
+        return stable_dt(self, state.values, velocities_of(self, state), enough=enough)
 
     def __str__(self) -> str:
         """Describe rule, structure and size."""
@@ -168,6 +177,8 @@ def pack(system: System, state: State) -> np.ndarray:
     _scatter_nodes(system, data, rows.values, state.values, state.values[-1])
     _scatter_nodes(system, data, rows.momenta, state.momenta, np.zeros(layout.dofs))
     _scatter_nodes(system, data, rows.held, system.free.astype(float), np.ones(layout.dofs))
+    if rows.forced and state.work is not None:
+        scatter(data, rows.forced["account"], state.work)
     first = np.flatnonzero(system.slots % rows.cell == 0)
     for name, row in rows.named.items():
         value = np.asarray(system.named[name])

@@ -83,7 +83,7 @@ class Element:
         places = [(0.5, a, START), (0.5, b, START + LENGTH)]
         if not self.points.corners:
             places = [(1.0, middle, START + 0.5 * LENGTH)]
-        total, c = 0.0, SimpleNamespace(**self.constants)
+        total, c = 0.0, SimpleNamespace(**(self.lagrangian.defaults | self.constants))
         for weight, values, s in places:
             turned_values = {k: Turn(v) if k in self.layout.rotations else v for k, v in values.items()}
             total += weight * STRAIN[self.lagrangian.name](
