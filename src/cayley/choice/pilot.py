@@ -65,6 +65,12 @@ def stepper_of(system: System) -> ModuleType:
     if system.joints or system.springs:
         names = ", ".join([joint.name for joint in system.joints] + [spring.name for spring in system.springs])
         raise ValueError(f"joints and springs cannot be simulated yet ({names}); leave them out of the model")
+    levered = system.loads is not None and np.any(system.loads.lever != 0.0)
+    if levered and (system.equations.rule.implicit or system.equations.density.constraints.numel()):
+        raise ValueError(
+            f"the rule {system.equations.rule} cannot apply forces off the node yet, such as on the port of a body; "
+            "use an explicit rule and rods without constraints, or a force and a moment on body.centre"
+        )
     if system.equations.rule.implicit:
         from cayley.steppers import implicit_run
 

@@ -146,3 +146,38 @@ def test_joints_cannot_run_yet():
     body = bob()
     with pytest.raises(ValueError, match=r"joints and springs cannot be simulated yet \(ball\)"):
         cy.simulate(cy.Model(body, joints=[joints.ball(body.port("eye"))]), t_end=1.0, dt=1e-3)
+
+
+@pytest.mark.parametrize("rotation", ["quaternion", "matrix"])
+@pytest.mark.parametrize("frame", ["space", "body"])
+def test_force_off_the_center(frame, rotation):
+    """A force on a port turns the body by o × ΛᵀF: as the force and that moment, given by the motion it made."""
+    body, pull = bob(), np.array([0.3, -0.2, 0.5])
+    eye = body.port("eye")
+    options = {"t_end": 0.2, "dt": 1e-4, "save_every": 1e-2, "rotation": rotation}
+    run = cy.simulate(cy.Model(body, loads=[loads.force(eye, pull, frame=frame)]), **options)
+    data = run[body]
+    turned = quaternion.rotate(data.rotation.values, np.array(eye.shift))
+    force = quaternion.rotate(data.rotation.values, pull) if frame == "body" else np.tile(pull, (len(run.time), 1))
+    about = data.position.values + turned
+    spin = np.gradient(run.angular_momentum.values, run.time, axis=0, edge_order=2)
+    assert_allclose(spin, np.cross(about, force), atol=2e-4)
+    assert np.linalg.norm(data.angular_velocity[-1]) > 0.5
+    if frame == "body":
+        both = [
+            loads.force(body.centre, pull, frame="body"),
+            loads.moment(body.centre, np.cross(eye.shift, pull), frame="body"),
+        ]
+        again = cy.simulate(cy.Model(body, loads=both), **options)
+        assert_allclose(again[body].rotation, data.rotation, atol=1e-13)
+        assert_allclose(again[body].position, data.position, atol=1e-13)
+
+
+def test_constant_force_off_the_center_is_conservative():
+    """E − F·P stays: the work of a dead force is its force times the way of the port."""
+    body, pull = bob(), np.array([0.3, -0.2, 0.5])
+    model = cy.Model(rod(), body, loads=[loads.force(body.port("eye"), pull)])
+    run = cy.simulate(model, t_end=0.5, initial={body: {"angular_velocity": SPIN}}, save_every=0.01)
+    way = run.port(body, "eye").position.values @ pull
+    defect = run.energy.values - way
+    assert np.ptp(defect) < 1e-5 * np.ptp(way)
