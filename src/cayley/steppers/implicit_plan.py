@@ -164,7 +164,9 @@ class Call:
         control = np.zeros((stages + 1, *values))
         control[:, :nodes] = state.values
         control[:, nodes] = ground(system)
-        couplings = [coupling_arrays(plan, cells, k, steps, state, starts) for k, cells in enumerate(plan.constraints)]
+        couplings = [
+            coupling_arrays(plan, cells, k, steps, state, starts) for k, cells in enumerate(plan.constraints)
+        ]
         memory = np.zeros((stages, *values))
         warm = _recall(state, memory, couplings)
         memory[:, nodes] = control[0, nodes]

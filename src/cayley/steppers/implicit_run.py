@@ -41,9 +41,7 @@ def run(
             values, momenta = frames[:reached, :, :rows], frames[:reached, :, rows:]
             receive(values.copy(), momenta.copy())
             last = state.step + reached * stride
-            known = (
-                call.memory if outcome is Outcome.FINISHED else None
-            )  # after a failure it is not that of the last frame
+            known = call.memory if outcome is Outcome.FINISHED else None  # after a failure it is not that of the last frame
             state = replace(state, values=values[-1].copy(), momenta=momenta[-1].copy(), step=last, memory=known)
         if outcome is not Outcome.FINISHED:
             return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), call.history)
