@@ -6,8 +6,9 @@ from types import ModuleType
 
 import numpy as np
 
-from cayley.steppers import decoupled_run
+from cayley.steppers import coupled_run, decoupled_run, implicit_run
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.saddle import is_constrained
 from cayley.system.system import State, System
 
 FRAMES, FEWEST_FRAMES = 64, 8
@@ -57,28 +58,21 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system; those that need Numba are slow to import.
+    """The module that steps a system.
 
     Raises:
-        ValueError: the system has joints or springs, which none of them knows.
+        ValueError: it has forces off the node, which not all of them apply.
     """
-    if system.joints or system.springs:
-        names = ", ".join([joint.name for joint in system.joints] + [spring.name for spring in system.springs])
-        raise ValueError(f"joints and springs cannot be simulated yet ({names}); leave them out of the model")
     levered = system.loads is not None and np.any(system.loads.lever != 0.0)
-    if levered and (system.equations.rule.implicit or system.equations.density.constraints.numel()):
+    if levered and (system.equations.rule.implicit or is_constrained(system) or system.springs):
         raise ValueError(
             f"the rule {system.equations.rule} cannot apply forces off the node yet, such as on the port of a body; "
-            "use an explicit rule and rods without constraints, or a force and a moment on body.centre"
+            "use an explicit rule without constraints and joints, or a force and a moment on body.centre"
         )
     if system.equations.rule.implicit:
-        from cayley.steppers import implicit_run
-
         return implicit_run
-    if system.equations.density.constraints.numel():
-        from cayley.steppers import constrained_run
-
-        return constrained_run
+    if is_constrained(system) or system.springs:
+        return coupled_run
     return decoupled_run
 
 

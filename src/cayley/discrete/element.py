@@ -9,6 +9,7 @@ import numpy as np
 from cayley.density import Density
 from cayley.density.expression import Expression, cross, dot, from_sx, to_sx, wrap, zeros
 from cayley.discrete.layout import Layout
+from cayley.discrete.pose import screw_forces, strains_only
 from cayley.discrete.rules import Points
 from cayley.lie import series
 
@@ -84,7 +85,7 @@ def element_forces(
     Returns: forces on the left and the right node, shape (layout.dofs,) each.
     """
     if points.screw:
-        return _by_differentiation(density, points, layout, ends, place)
+        return _screw_forces(density, points, layout, ends, place)
     found = element_points(density, points, layout, ends, place)
     left, right = (zeros(layout.dofs) for _ in range(2))
     along = density.lagrangian.interval
@@ -166,10 +167,17 @@ def _screw_point(
     return point
 
 
-def _by_differentiation(
+def _screw_forces(
     density: Density, points: Points, layout: Layout, ends: tuple[Expression, Expression], place: Mapping[str, Any]
 ) -> tuple[Expression, Expression]:
-    """Forces on the nodes as −Tᵀ∂W/∂(rows): for kinematics without a transposed derivative of their own."""
+    """By way of the relative pose where W depends on nothing else, or else as −Tᵀ∂W/∂(rows)."""
+
+    def strain(point: Mapping[str, Any]) -> ca.SX:
+        return density.value("strain", point)
+
+    if strains_only(density, "strain"):
+        middle = {str(density.lagrangian.interval): 0.5 * (place["left"] + place["right"])}
+        return screw_forces(density, layout, strain, ends, middle | {k: place[k] for k in ("inverse", "t")})
     energy = element_energy(density, points, layout, ends, place)
     forces = []
     for end in ends:

@@ -16,7 +16,7 @@ from cayley.density.expression import Expression, dot, symbols, to_sx, wrap
 from cayley.discrete.element import element_points
 from cayley.discrete.jet import Jet, jet
 from cayley.discrete.layout import Layout
-from cayley.discrete.pose import screw_jet, strains_only
+from cayley.discrete.pose import screw_jet, strain_jet, strains_only
 from cayley.discrete.program import Program
 from cayley.discrete.representation import homogeneous
 from cayley.discrete.rules import Points
@@ -92,18 +92,21 @@ def _term(
             return density.value("inertia", point) - density.value("load", point)
         return density.constraint(point) if name == "constraint_point" else density.value("strain", point)
 
+    strained = name != "inertia_point" and strains_only(density, name.removesuffix("_point"))
+    if strained and points is not None and points.screw:
+        middle = {"inverse": inverse, "t": t, along: here + 0.5 / inverse}
+        return screw_jet(density, layout, of_point, at, middle, weights=multiplier, second=second)
     if name != "inertia_point" and points is not None and points.between_ends:
-        if points.screw and strains_only(density, of_point):
-            middle = {"inverse": inverse, "t": t, along: here + 0.5 / inverse}
-            return screw_jet(density, layout, of_point, at, middle, weights=multiplier, second=second)
         ends = normalized(layout, at[0]), normalized(layout, at[1])
         where = {"inverse": inverse, "t": t, "left": here, "right": here + 1.0 / inverse}
-        terms = [weight * of_point(point) for weight, point in element_points(density, points, layout, ends, where)]
-        value = sum(terms[1:], start=terms[0])
+        found = element_points(density, points, layout, ends, where)
     else:
-        point = embedded_point(layout, *at, "t" if name == "inertia_point" else along) | {"t": t, along: here}
-        value = of_point(point)
-    return jet(value, unknown, unknown, weights=multiplier, second=second)
+        suffix = "t" if name == "inertia_point" else along
+        found = [(1.0, embedded_point(layout, *at, suffix) | {"t": t, along: here})]
+    if strained:
+        return strain_jet(density, of_point, found, unknown, weights=multiplier, second=second)
+    terms = [weight * of_point(point) for weight, point in found]
+    return jet(sum(terms[1:], start=terms[0]), unknown, unknown, weights=multiplier, second=second)
 
 
 def _list(value: Expression) -> list[ca.SX]:

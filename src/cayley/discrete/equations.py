@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cayley.density import Density
-from cayley.discrete.constraint import constrained_program, constrained_rows
 from cayley.discrete.embedded import POINT_PROGRAMS, point_program
 from cayley.discrete.forced import ForcedWriter
 from cayley.discrete.forcing import force_program
@@ -51,9 +50,7 @@ class DiscreteEquations:
         """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
-            if name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
-                self._derived[name] = constrained_program(Writer(self), name)
-            elif "force_point" in name:
+            if "force_point" in name:
                 self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
             elif name in POINT_PROGRAMS:
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
@@ -70,7 +67,7 @@ class DiscreteEquations:
     def main_program(self) -> str:
         """Name of the program that does most of the work of a step."""
         if not self.rule.implicit:
-            return "drift" if self.density.constraints.numel() else "step"
+            return "step"
         return "strain_point" if self.density.lagrangian.interval else "inertia_point"
 
     @property
@@ -158,7 +155,6 @@ def derive(
     by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
     forced = not rule.implicit and density.force is not None
     rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
-    rows = constrained_rows(rows, layout, density.constraints.numel())
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 
 

@@ -37,10 +37,13 @@ class Jet:
             at: where x stands.
         """
         pull = ca.SX.sym("pull", inner.numel())
-        found = [ca.jacobian(inner, unknown)]
-        if self.curvature is not None:
-            found.append(ca.jacobian(ca.gradient(ca.dot(pull, inner), unknown), unknown))
+        pulled = ca.gradient(ca.dot(pull, inner), unknown)
+        if self.curvature is None and self.slope.size1() == 1:  # backward, without the Jacobian of m
+            row = ca.densify(self.slope.T)
+            slope = ca.substitute([pulled.T], [unknown, pull], [at, row])[0]
+            return Jet(values=self.values, slope=slope, weights=self.weights, curvature=None)
         weighted = ca.densify(self.slope.T @ self.weights)
+        found = [ca.jacobian(inner, unknown), *([] if self.curvature is None else [ca.jacobian(pulled, unknown)])]
         found = [ca.sparsify(m) for m in ca.substitute(found, [unknown, pull], [at, weighted])]
         curvature = None if self.curvature is None else congruent(self.curvature, found[0]) + found[1]
         return Jet(values=self.values, slope=self.slope @ found[0], weights=self.weights, curvature=curvature)

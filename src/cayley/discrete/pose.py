@@ -5,50 +5,91 @@ y = Λ(p)ᵀ(b − a)/ds: six numbers. Between them and the embedding space stan
 p + δp ∥ (1 + φ) p, and the turn λ between the ends that they make.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from cayley.density import Density
-from cayley.density.expression import Expression, cross, dot, symbols, to_sx, wrap
+from cayley.density.expression import Expression, cross, dot, from_sx, symbols, to_sx, wrap, zeros
 from cayley.discrete.jet import Jet, jet
 from cayley.discrete.layout import Layout
 from cayley.discrete.representation import homogeneous
 from cayley.lie import quaternion, series
 
-DRAWS = 8
+DRAWS = 4
 """Random points at which a density is asked whether it depends on the strains alone."""
+AXES = (np.eye(3)[[2, 0, 1]], np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+"""Turns of the axes into one another, by a third about their diagonal and a quarter about e₃."""
 
 
-def strains_only(density: Density, term: Callable[[dict[str, Expression]], ca.SX]) -> bool:
-    """Whether a term depends on pose and slopes only through Λᵀx′ and Ω, and there are no other fields.
+def strains_only(density: Density, part: str) -> bool:
+    """Whether W, or the constraints, depend on pose and slopes only through Λᵀx′ and Ω, and there are no other fields.
 
-    It is asked at random points: f(Λ, x, x′, Ω) = f(I, 0, Λᵀx′, Ω).
+    Asked is f(Λ, x, Λ c, Ω) = f(I, 0, c, Ω): of the expressions themselves for turns of the axes into one another,
+    which leave no rounding behind which something small could hide, and in numbers for turns of any kind.
 
     Args:
         density: the density.
-        term: from the values of the slots to the term, such as the strain energy.
+        part: "strain" or "constraint".
     """
     turn, position = density.lagrangian.pose or ("", "")
     if set(density.lagrangian.fields) != {turn, position}:
         return False
-    along = str(density.lagrangian.interval)
-    frame, x, slope, bend = symbols("f", 3, 3), symbols("x", 3), symbols("dx", 3), symbols("w", 3)
-    place, t = ca.SX.sym(along), ca.SX.sym("t")
-    shared = {f"{turn}_{along}": bend, along: wrap(place), "t": wrap(t)}
-    whole = term(shared | {f"frame of {turn}": frame, position: x, f"{position}_{along}": slope})
-    seen = term(shared | {f"{position}_{along}": frame.T @ slope})
-    free = ca.vertcat(to_sx(bend), to_sx(slope), to_sx(x), place, t, density.parameters)
-    function = ca.Function("both", [to_sx(frame), free], [whole, seen])
+    tangent, along = f"{position}_{density.lagrangian.interval}", str(density.lagrangian.interval)
+    seen, x = symbols("c", 3), symbols("x", 3)
+    shared = {f"{turn}_{along}": symbols("w", 3), along: symbols("s"), "t": symbols("t")}
+
+    def at(frame: Any, place: Any) -> ca.SX:
+        point = shared | {f"frame of {turn}": frame, position: place, tangent: wrap(frame @ seen)}
+        return density.constraint(point) if part == "constraint" else density.value(part, point)
+
+    alone = at(np.eye(3), np.zeros(3))
+    if any(str(at(frame, x)) != str(alone) for frame in AXES):
+        return False
+    frame = symbols("f", 3, 3)
+    free = [to_sx(frame), _column(*shared.values(), seen, x), density.parameters]
+    function = ca.Function("both", free, [at(frame, x), alone])
     rng = np.random.default_rng(0)
     for _ in range(DRAWS):
         turned = quaternion.to_matrix(quaternion.normalize(rng.normal(size=4)))
-        one, other = (np.array(v) for v in function(turned, rng.normal(size=free.numel())))
-        if not np.allclose(one, other, rtol=1e-9, atol=1e-9):
+        numbers = rng.normal(size=free[1].numel()), rng.uniform(0.5, 2.0, size=density.parameters.numel())
+        one, other = (np.array(v) for v in function(turned, *numbers))
+        if not np.allclose(one, other, rtol=1e-9, atol=1e-12):
             return False
     return True
+
+
+def strain_jet(
+    density: Density,
+    term: Callable[[dict[str, Expression]], ca.SX],
+    points: Sequence[tuple[float, Mapping[str, Any]]],
+    unknown: ca.SX,
+    *,
+    weights: ca.SX,
+    second: bool,
+) -> Jet:
+    """Σ weight f(Ω, Λᵀx′) at some points, and its derivatives by way of those six numbers at each.
+
+    Args:
+        density: the density.
+        term: from the values of the slots to the term, which depends on strains alone (see strains_only).
+        points: (weight, values of the slots) pairs.
+        unknown: what the points are functions of.
+        weights: λ of the Hessian of λ·term.
+        second: whether that Hessian is wanted.
+    """
+    turn, position = density.lagrangian.pose or ("", "")
+    bend, tangent = f"{turn}_{density.lagrangian.interval}", f"{position}_{density.lagrangian.interval}"
+    strains = symbols("strain", len(points), 6)
+    value, inner = ca.SX(0), []
+    for strain, (weight, point) in zip(strains, points, strict=True):
+        others = {k: v for k, v in point.items() if k not in (turn, position, f"frame of {turn}")}
+        value += weight * term(others | {bend: strain[:3], tangent: strain[3:]})
+        inner += [point[bend], point[f"frame of {turn}"].T @ point[tangent]]
+    found = jet(value, _column(*strains), _column(*inner), weights=weights, second=second)
+    return found.through(_column(*inner), unknown, unknown)
 
 
 def screw_jet(
@@ -75,7 +116,7 @@ def screw_jet(
         second: whether that Hessian is wanted.
     """
     turn, position = density.lagrangian.pose or ("", "")
-    along, inverse = str(density.lagrangian.interval), place["inverse"]
+    inverse = place["inverse"]
     p, q = (end[layout.rows_of(turn)] for end in ends)
     d = ends[1][layout.rows_of(position)] - ends[0][layout.rows_of(position)]
     size = dot(p, p)
@@ -84,11 +125,7 @@ def screw_jet(
     half = relative[1:] * (1.0 / (1.0 + relative[0]))
     y = (frame.T @ d) * inverse
 
-    def of_strain(e: Expression) -> ca.SX:
-        others = {k: v for k, v in place.items() if k != "inverse"}
-        return term(others | {f"{turn}_{along}": e[:3], f"{position}_{along}": e[3:]})
-
-    found = _of_relative_pose(of_strain, half, y, inverse, weights=weights, second=second)
+    found = _of_relative_pose(_of_strain(density, term, place), half, y, inverse, weights=weights, second=second)
     turned, shifted = symbols("turned", 3), symbols("shifted", 3)
     found = found.through(_column(_half(turned, relative), shifted), _column(turned, shifted), _column(np.zeros(3), y))
     inner = _column(frame.T @ turned, (frame.T @ shifted) * inverse)
@@ -101,6 +138,57 @@ def screw_jet(
     increments = [_increment(v[layout.rows_of(turn)], z) for v, z in zip(moves, (p, q), strict=True)]
     inner = _column(*increments, d + moves[1][layout.rows_of(position)] - moves[0][layout.rows_of(position)])
     return found.through(inner, _column(*moves), ca.SX.zeros(2 * layout.rows))
+
+
+def screw_forces(
+    density: Density,
+    layout: Layout,
+    term: Callable[[dict[str, Expression]], ca.SX],
+    ends: tuple[Expression, Expression],
+    place: Mapping[str, Any],
+) -> tuple[Expression, Expression]:
+    """Forces of an element on its two nodes, −∂f left-trivialized.
+
+    With gamma = ∂f/∂γ, upsilon = ∂f/∂y and even ± odd = ½ ((1 − γ·γ) gamma/2 + (γ·gamma) γ ± γ × gamma):
+    (even + odd + y × upsilon, Λ upsilon/ds) on the left node, (odd − even, −Λ upsilon/ds) on the right one.
+
+    Args:
+        density: the density.
+        layout: rows of a node.
+        term: from the values of the slots to a term that depends on strains alone (see strains_only).
+        ends: rows of the two nodes.
+        place: "inverse" 1/ds, and the other slots of the term, "t" and the coordinate.
+
+    Returns: forces on the left and the right node, shape (layout.dofs,) each.
+    """
+    turn, position = density.lagrangian.pose or ("", "")
+    inverse, (a, b) = place["inverse"], (end[layout.rows_of(position)] for end in ends)
+    p, q = (end[layout.rows_of(turn)] for end in ends)
+    r0, v = layout.representation.relative(p, q)
+    frame, half = layout.representation.matrix(p), v * (1.0 / (1.0 + r0))
+    y = frame.T @ ((b - a) * inverse)
+    of_strain = _of_strain(density, term, place)
+    found = _of_relative_pose(of_strain, half, y, inverse, weights=ca.SX(1.0), second=False)
+    slope = from_sx(ca.densify(found.slope.T))
+    gamma, upsilon = slope[:3], slope[3:]
+    even = 0.25 * (1.0 - dot(half, half)) * gamma + 0.5 * dot(half, gamma) * half
+    odd = 0.5 * cross(half, gamma)
+    pull = frame @ (upsilon * inverse)
+    left, right = zeros(layout.dofs), zeros(layout.dofs)
+    turns, moves = layout.dofs_of(turn), layout.dofs_of(position)
+    left[turns], left[moves] = even + odd + cross(y, upsilon), pull
+    right[turns], right[moves] = odd - even, -pull
+    return left, right
+
+
+def _of_strain(
+    density: Density, term: Callable[[dict[str, Expression]], ca.SX], place: Mapping[str, Any]
+) -> Callable[[Expression], ca.SX]:
+    """A term as a function of (Ω, Γ + e₃)."""
+    turn, position = density.lagrangian.pose or ("", "")
+    along = density.lagrangian.interval
+    others = {k: v for k, v in place.items() if k != "inverse"}
+    return lambda e: term(others | {f"{turn}_{along}": e[:3], f"{position}_{along}": e[3:]})
 
 
 def _of_relative_pose(

@@ -48,6 +48,8 @@ class Writer:
         """Write one program."""
         if name in ("step", "step_held"):
             return self._step(held=name == "step_held")
+        if name in ("drift", "drift_held"):
+            return self._drift(held=name == "drift_held")
         return self._kick() if name == "kick" else self._observe()
 
     def blocks(self) -> tuple[Block, ...]:
@@ -157,6 +159,17 @@ class Writer:
         stores = list(zip(_range(self.rows.values), _all(after), strict=True))
         stores += list(zip(_range(self.rows.momenta), _all(momenta), strict=True))
         return self._program("step_held" if held else "step", steps, stores)
+
+    def _drift(self, *, held: bool) -> Program:
+        """One step of all nodes from momenta that forces have been added to."""
+        given, pushed = self.momenta, self._each("pushed", self.layout.dofs)
+        scaled = [given[k] * self._weights(k)[1] for k in self.cell]
+        steps: list[Step] = [Assign(tuple(_all(pushed)), tuple(_all(scaled)))]
+        solutions, after, momenta = self._moves(given, pushed, held=held)
+        steps += side_by_side(solutions)
+        stores = list(zip(_range(self.rows.values), _all(after), strict=True))
+        stores += list(zip(_range(self.rows.momenta), _all(momenta), strict=True))
+        return self._program("drift_held" if held else "drift", steps, stores)
 
     def _moves(
         self, given: list[Expression], pushed: list[Expression], *, held: bool

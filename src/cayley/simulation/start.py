@@ -11,6 +11,7 @@ from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.simulation.failure import name_of
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.saddle import is_constrained, projected, violation
 from cayley.system.discretize import discretize, initial_values
 from cayley.system.legendre import initial_state
 from cayley.system.system import State, System
@@ -45,20 +46,14 @@ def start_of_system(system: System, start: Mapping[str, Any] | State, time: floa
 
 
 def _consistent(system: System, state: State, *, check_rates: bool = True) -> State:
-    """A start that agrees with the constraints of the density, its momenta projected.
+    """A start that agrees with the constraints of density and joints, its momenta projected.
 
     Raises:
         ValueError: if positions violate a constraint, velocities do, or a constraint is redundant.
     """
-    if not system.equations.density.constraints.numel():
+    if not is_constrained(system):
         return state
-    from cayley.steppers.constrained_run import projected, violation
-
-    found = np.abs(violation(system, state.values)).max(axis=1)
-    worst = int(np.argmax(found))
-    where = f"the start violates the constraint of {name_of(system)} in the element at s = {system.nodes[worst]:.6g} m"
-    if not found[worst] <= START_TOLERANCE:
-        raise ValueError(f"{where} by {found[worst]:.3g}; give positions and rotations for which it is zero")
+    _check_places(system, state)
     momenta, node = projected(system, state)
     if node >= 0:
         raise ValueError(
@@ -66,14 +61,34 @@ def _consistent(system: System, state: State, *, check_rates: bool = True) -> St
         )
     change = np.abs(momenta - state.momenta).max(axis=0)
     scale = np.abs(state.momenta).max(axis=0)
-    if check_rates and np.any(change > 1e-6 * scale.max(initial=0.0)):
+    driven = any(joint.drive is not None for joint in system.joints)
+    if check_rates and not driven and np.any(change > 1e-6 * scale.max(initial=0.0)):
         worst = int(np.argmax(np.abs(momenta - state.momenta).max(axis=1)))
         raise ValueError(
-            f"the velocities at the start violate the constraint of {name_of(system)}, most at node {worst}; give "
+            f"the velocities at the start violate the constraint of {_who(system)}, most at node {worst}; give "
             f"velocities that keep it, such as v = v0 + w x r with the angular velocity w, or momenta, which are "
             f"projected"
         )
     return replace(state, momenta=momenta)
+
+
+def _check_places(system: System, state: State) -> None:
+    """Refuse a start off the constraints."""
+    for cells, found in violation(system, state.values, state.time):
+        worst = int(np.argmax(np.abs(found).max(axis=1)))
+        size = float(np.abs(found[worst]).max())
+        if size <= START_TOLERANCE:
+            continue
+        if cells.names:
+            where = f"the start violates the joint {cells.names[worst]}"
+        else:
+            place = system.nodes[int(cells.nodes[worst, 0])]
+            where = f"the start violates the constraint of {name_of(system)} in the element at s = {place:.6g} m"
+        raise ValueError(f"{where} by {size:.3g}; give positions and rotations for which it is zero")
+
+
+def _who(system: System) -> str:
+    return name_of(system) if system.equations.density.constraints.numel() else "the joints"
 
 
 def _fitting(system: System, state: State) -> State:

@@ -57,7 +57,9 @@ class Blocks:
         """(offset, stride of a row) of matrix blocks, −1 where there is none, shape (*rows.shape, 2)."""
         rows, columns = (np.ascontiguousarray(a, dtype=np.int64) for a in (rows, columns))
         found = np.empty((*rows.shape, 2), dtype=np.int64)
-        self._engine.locate(ctypes.c_int64(self.fronts), ctypes.c_int64(rows.size), address(rows), address(columns), address(found))
+        self._engine.locate(
+            ctypes.c_int64(self.fronts), ctypes.c_int64(rows.size), address(rows), address(columns), address(found)
+        )
         return found
 
     def diagonal(self) -> np.ndarray:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cayley.discrete.joint import COUNTS, DRIVE
+from cayley.discrete.spring import SPRINGS
 
 GROUND = -1
 """In place of the second node."""
@@ -74,6 +75,12 @@ class Elastic:
     def grounded(self) -> bool:
         """Whether side b is the ground."""
         return self.second == GROUND
+
+    @property
+    def damped(self) -> bool:
+        """Whether it has any damping."""
+        size = SPRINGS[self.kind] ** 2
+        return bool(self.parameters[14 + size : 14 + 2 * size].any())
 
 
 def joint_inputs(joint: Coupling, values: np.ndarray, ground: np.ndarray, time: float = 0.0) -> np.ndarray:

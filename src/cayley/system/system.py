@@ -117,6 +117,11 @@ class System:
         return sum(self.chains)
 
     @property
+    def accounted(self) -> bool:
+        """Whether a run keeps an account of work and loss: where there are forces beside the Lagrangian."""
+        return self.equations.density.force is not None or any(spring.damped for spring in self.springs)
+
+    @property
     def cells(self) -> int:
         """Number of lanes that kernels of explicit rules work on: one for every element and one to close each chain."""
         cell = self.equations.rows.cell

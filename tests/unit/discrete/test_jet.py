@@ -34,9 +34,11 @@ def test_chain_rule(links):
         assert_allclose(one, other, rtol=1e-13, atol=1e-14)
 
 
-def test_without_the_hessian():
-    found = jet(OUTER, M, INNER, weights=ca.SX(WEIGHTS), second=False).through(INNER, X, X)
-    value = ca.substitute([OUTER], [M], [INNER])[0]
+@pytest.mark.parametrize("rows", [1, 2])
+def test_without_the_hessian(rows):
+    """One row goes backward, more of them by the Jacobian."""
+    found = jet(OUTER[:rows], M, INNER, weights=ca.SX(WEIGHTS)[:rows], second=False).through(INNER, X, X)
+    value = ca.substitute([OUTER[:rows]], [M], [INNER])[0]
     assert found.curvature is None
     assert_allclose(*numbers(found.slope, ca.jacobian(value, X)), rtol=1e-13, atol=1e-14)
 

@@ -22,7 +22,9 @@ def library(lanes: int, *, pose: bool = False) -> Any:
     """
     path = HERE / f"engine_{lanes}{'_pose' * pose}.so"
     if not path.exists():
-        raise ImportError(f"cayley: {path.name} is missing; install cayley again (pip install --force-reinstall cayley)")
+        raise ImportError(
+            f"cayley: {path.name} is missing; install cayley again (pip install --force-reinstall cayley)"
+        )
     found = ctypes.CDLL(str(path))
     for name in ("order_blocks", "matrix_size", "pivot_count", "advance", "project", "factorize"):
         getattr(found, name).restype = ctypes.c_int64

@@ -48,7 +48,9 @@ struct term {
     double *weight;      /* [blocks][gauss][LANES], 0 where there is no cell */
     i64 *places;         /* (offset, stride) of the block of every pair of nodes, [cells][width][width][2] */
     i64 *held;           /* whether a cell of the block has a held component, [blocks] */
-    double *work;        /* power times h of what the kernel returns, summed, [1]; or null */
+    i64 force;           /* whether it is a force: its work is summed */
+    i64 account;         /* row of the power of its work and of its loss, or -1: all of it is loss */
+    double *work;        /* work and loss of the last evaluation, [2] */
 };
 
 /* Constraints g(u) = 0 at points of cells, at every control time but the first, with multipliers. */
@@ -147,10 +149,11 @@ struct problem {
     i64 stride;
     i64 saves;
     double *frames;      /* [saves][nodes][rows + dofs] */
+    double *works;       /* work and loss at the frames, [saves][2] */
     i64 *counts;         /* iterations in all, most in a step, number and node of the last step */
     double *history;     /* (relative correction, residual) of the last iterations, [history_size][2] */
     i64 history_size;
-    double *energy;      /* work of loads, work of forces (negative: dissipated), [2] */
+    double *energy;      /* work of loads in a step; work and loss since the start, [3] */
 };
 
 /* A run of a rule with corners in time and constraints; the problem holds the nodes that constraints know, with r = 1. */

@@ -224,8 +224,7 @@ static i64 step(struct problem *p, i64 number, double begin)
     memcpy(p->memory, p->control, (size_t)(p->stages * values) * sizeof(double));
     memcpy(p->control, p->control + p->stages * values, (size_t)values * sizeof(double));
     p->energy[1] += p->energy[0];
-    for (i64 n = 0; n < p->terms; n++)
-        if (p->term[n].work) p->energy[2] += *p->term[n].work;
+    for (i64 n = 0; n < p->terms; n++) p->energy[1] += p->term[n].work[0], p->energy[2] += p->term[n].work[1];
     return 1;
 }
 
@@ -251,6 +250,7 @@ i64 advance(struct problem *p, i64 *reached)
                 return REDUNDANT;
             }
         }
+        memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         double check = 0.0, *frame = p->frames + *reached * p->nodes * (p->rows + p->dofs);
         for (i64 n = 0; n < p->nodes; n++, frame += p->rows + p->dofs) {
             memcpy(frame, p->control + n * p->rows, (size_t)p->rows * sizeof(double));

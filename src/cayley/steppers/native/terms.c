@@ -93,8 +93,9 @@ static void pull(struct problem *p, struct term *t, i64 block, i64 k, double h, 
 }
 
 /* The four parts of J for a pair of nodes at one stage: u u, u u', u' u, u' u'. */
-static void pair(struct problem *p, struct term *t, i64 block, const double *at, i64 a, i64 b, vec *parts)
+static void pair(struct problem *p, const struct term *t, i64 block, const double *at, i64 a, i64 b, vec *parts)
 {
+    (void)p;
     i64 square = ROWS * ROWS;
     memset(parts, 0, (size_t)(4 * square) * sizeof(vec));
     for (i64 g = 0; g < t->gauss; g++) {
@@ -172,20 +173,24 @@ static void scatter(struct problem *p, struct term *t, i64 block, const vec *q, 
         }
 }
 
-/* Power of a force on the moving points, times h, summed over the points and stages of a block. */
-static double power(struct problem *p, struct term *t, i64 block, i64 k, double h, const double *at, i64 rows_of_block)
+/* Add work and loss of a force at one stage to its account. */
+static void book(struct problem *p, struct term *t, i64 block, i64 k, double h, const double *at, i64 rows_of_block)
 {
     i64 size = t->slots * ROWS;
-    vec sum = {0.0};
+    vec work = {0.0}, loss = {0.0};
     for (i64 g = 0; g < t->gauss; g++) {
         const vec *data = (const vec *)(at + g * rows_of_block * LANES);
-        vec one = {0.0};
-        for (i64 e = 0; e < size; e++) one += data[t->gradient + e] * data[size + e];
-        sum += one * ((const vec *)t->weight)[block * t->gauss + g];
+        vec weight = ((const vec *)t->weight)[block * t->gauss + g];
+        if (t->account >= 0) {
+            work += weight * data[t->account], loss += weight * data[t->account + 1];
+            continue;
+        }
+        for (i64 e = 0; e < size; e++) loss -= weight * data[t->gradient + e] * data[size + e];
     }
-    double total = 0.0;
-    for (i64 lane = 0; lane < LANES; lane++) total += sum[lane];
-    return p->weights[k] * h * total;
+    for (i64 lane = 0; lane < LANES; lane++) {
+        t->work[0] += p->weights[k] * h * work[lane];
+        t->work[1] += p->weights[k] * h * loss[lane];
+    }
 }
 
 static void add_term(struct problem *p, struct term *t, double begin, double h, i64 tangent)
@@ -194,7 +199,7 @@ static void add_term(struct problem *p, struct term *t, double begin, double h, 
     double *uniforms = tangent ? t->uniforms : t->light_uniforms;
     i64 uniform_width = tangent ? t->uniform_width : t->light_width, block_rows = tangent ? t->rows : t->light_rows;
     vec *q = (vec *)p->cells, *y = q + controls * width * rows, *room = y + controls * width * rows;
-    if (t->work) *t->work = 0.0;
+    t->work[0] = t->work[1] = 0.0;
     for (i64 k = 0; k < p->stages; k++) {
         uniforms[k * uniform_width] = begin + p->at[k] * h;
         ((prepare)(tangent ? t->setup : t->light_setup))(uniforms + k * uniform_width);
@@ -207,7 +212,7 @@ static void add_term(struct problem *p, struct term *t, double begin, double h, 
             interpolate(p, t, block, k, h, q, data, block_rows);
             evaluate(t, data, uniforms + k * uniform_width, tangent);
             pull(p, t, block, k, h, data, block_rows, y);
-            if (t->work) *t->work += power(p, t, block, k, h, data, block_rows);
+            if (t->force) book(p, t, block, k, h, data, block_rows);
         }
         scatter(p, t, block, q, y);
         if (tangent) tangents(p, t, block, h, q, y, room);
