@@ -140,14 +140,6 @@ def test_goes_on_from_a_store(tmp_path):
     assert_array_equal(again.port(body, "eye").position, half.port(body, "eye").position)
 
 
-def test_joints_cannot_run_yet():
-    from cayley import joints
-
-    body = bob()
-    with pytest.raises(ValueError, match=r"joints and springs cannot be simulated yet \(ball\)"):
-        cy.simulate(cy.Model(body, joints=[joints.ball(body.port("eye"))]), t_end=1.0, dt=1e-3)
-
-
 @pytest.mark.parametrize("rotation", ["quaternion", "matrix"])
 @pytest.mark.parametrize("frame", ["space", "body"])
 def test_force_off_the_center(frame, rotation):
