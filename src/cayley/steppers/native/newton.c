@@ -84,7 +84,7 @@ static i64 newton(struct problem *p, i64 number, double begin, double h, i64 car
     for (i64 iteration = 0; iteration < (careful ? ITERATIONS : QUICK_ITERATIONS); iteration++) {
         *passes = iteration + 1;
         assemble(p, number, begin, h, fresh);
-        if (fresh && factorize(p->fronts, p->matrix, p->pivots)) return 0;
+        if (fresh && factorize(p->fronts, p->matrix, p->pivots, p->watch)) return 0;
         double residual = 0.0;
         for (i64 u = 0; u < p->unknowns; u++) {
             double one = __builtin_fabs(p->unknown[u]);
@@ -147,7 +147,7 @@ static void start_from_momenta(struct problem *p, double time, double h)
     for (i64 n = 0; n < p->nodes; n++) {
         double *m = mass + n * dofs * stride, v[dofs];
         memcpy(v, p->momenta + n * dofs, (size_t)dofs * sizeof(double));
-        if (factorize_dense(m, dofs, stride, pivots)) memset(v, 0, sizeof v);
+        if (factorize_dense(m, dofs, stride, pivots, 0)) memset(v, 0, sizeof v);
         else solve_dense(m, dofs, stride, pivots, v);
         for (i64 i = 0; i < p->stages; i++)
             for (i64 d = 0; d < dofs; d++) x[p->place[n] + i * dofs + d] = p->ends[i + 1] * h * v[d];
@@ -239,6 +239,12 @@ i64 advance(struct problem *p, i64 *reached)
                 if (!block) return NOT_CONVERGED;
                 p->counts[3] = block - 1;
                 return REDUNDANT;
+            }
+            /* the first multipliers also take up a blow */
+            i64 node = number ? overstrained(p, p->origin + p->h * (p->first + (double)number + 1.0), p->h) : 0;
+            if (node) {
+                p->counts[3] = node - 1;
+                return TENSE;
             }
         }
         i64 number = (*reached + 1) * p->stride;
