@@ -5,41 +5,30 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field
+from pydantic import Discriminator, Field
 
+from cayley.cli import tie_schema
 from cayley.cli.expressions import LANGUAGE
+from cayley.cli.schema_base import NAME as _NAME
+from cayley.cli.schema_base import PORT as _NODE
+from cayley.cli.schema_base import Name, Table, Vector
+from cayley.cli.schema_base import positive as _positive
+from cayley.cli.schema_base import vector as _vector
+from cayley.cli.tie_schema import BodyTable, JointTable, SpringTable
 
-_NAME = 'a text without "/" and other than empty'
-_NODE = "ROD.start, ROD.end or ROD.node K, where ROD is the name of a rod"
 _AXES = 'letters out of "xyz", each once'
 _SHEAR = "a positive number [-], or two of them in brackets, one for each axis of the section"
 _ROWS = "[N, N, N, N m^2, N m^2, N m^2]"
 
-Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
-Name = Annotated[str, Field(pattern=r"^[^/]+$")]
 Axes = Annotated[str, Field(pattern=r"^(?!.*(.).*\1)[xyz]*$")]
 Value = Annotated[list[float | str], Field(min_length=3, max_length=3)]
 ShearCorrection = float | Annotated[list[float], Field(min_length=2, max_length=2)]
 Until = Annotated[float, Field(allow_inf_nan=True)]
 
 
-def _positive(unit: str) -> Any:
-    return Field(gt=0, description=f"a positive number [{unit}]")
-
-
-def _vector(unit: str, default: Any = ...) -> Any:
-    return Field(default, description=f"three numbers in brackets [{unit}]")
-
-
 def _rows(name: str, size: int, units: str) -> Any:
     text = f"{size} rows of {size} numbers, or the {size} numbers of the diagonal {units}"
     return Field(min_length=size, max_length=size, description=text)
-
-
-class Table(BaseModel):
-    """What all tables share: no unknown keys, no silent conversions, no infinite numbers."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, regex_engine="python-re")
 
 
 class MaterialTable(Table):
@@ -152,13 +141,14 @@ class LineLoadTable(_TimedTable):
 
 
 class InitialTable(Table):
-    """`[[initial]]`: how a rod moves at the start, the same at all its nodes."""
+    """`[[initial]]`: how a rod, the same at all its nodes, or a body moves at the start."""
 
-    rod: str = Field(description="the name of a rod")
+    rod: str | None = Field(None, description="the name of a rod")
+    body: str | None = Field(None, description="the name of a body, instead of a rod")
     velocity: Vector | None = _vector("m/s, in space", None)
     angular_velocity: Vector | None = _vector("rad/s, about the body axes", None)
-    momentum: Vector | None = _vector("kg/s, per length, in space", None)
-    angular_momentum: Vector | None = _vector("kg m/s, per length, about the body axes", None)
+    momentum: Vector | None = _vector("kg/s, per length, in space; of a body kg m/s", None)
+    angular_momentum: Vector | None = _vector("kg m/s, per length, about the body axes; of a body kg m^2/s", None)
 
 
 class RunTable(Table):
@@ -196,7 +186,7 @@ class NotesTable(Table):
 
 
 SectionTable = Annotated[RectangleTable | CircleTable | TubeTable | GivenTable, Discriminator("shape")]
-SupportTable = Annotated[PinTable | HoldTable, Discriminator("kind")]
+SupportTable = Annotated[PinTable | HoldTable | tie_schema.AnyGuide, Discriminator("kind")]
 LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable, Discriminator("kind")]
 
 
@@ -205,9 +195,12 @@ class ScenarioTables(Table):
 
     title: str = Field("", description="a text")
     material: dict[str, MaterialTable] = Field({}, description="[material.NAME] tables")
-    section: dict[str, SectionTable] = Field(min_length=1, description="at least one [section.NAME] table")
-    rod: list[RodTable] = Field(min_length=1, description="at least one [[rod]] table")
+    section: dict[str, SectionTable] = Field({}, description="[section.NAME] tables")
+    rod: list[RodTable] = Field([], description="[[rod]] tables")
+    body: list[BodyTable] = Field([], description="[[body]] tables")
     support: list[SupportTable] = Field([], description="[[support]] tables")
+    joint: list[JointTable] = Field([], description="[[joint]] tables")
+    spring: list[SpringTable] = Field([], description="[[spring]] tables")
     load: list[LoadTable] = Field([], description="[[load]] tables")
     initial: list[InitialTable] = Field([], description="[[initial]] tables")
     run: RunTable = Field(description="a [run] table with t_end")
@@ -219,9 +212,12 @@ Place = tuple[str | int, ...]
 
 _ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes": NotesTable}
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
+_MANY["body"] = BodyTable
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
     "section": ("shape", {"rectangle": RectangleTable, "circle": CircleTable, "tube": TubeTable, "given": GivenTable}),
-    "support": ("kind", {"pin": PinTable, "clamp": PinTable, "hold": HoldTable}),
+    "support": ("kind", {"pin": PinTable, "clamp": PinTable, "hold": HoldTable, **tie_schema.GUIDES}),
+    "joint": ("kind", tie_schema.JOINTS),
+    "spring": ("kind", tie_schema.SPRINGS),
     "load": (
         "kind",
         {

@@ -40,7 +40,7 @@ WRONG = [
         "",
         "material.rubber.poisson_ratio: is 0.6; allowed: a number above",
     ),
-    ("[[rod]]", "[rod]", "", "rod: is a table; allowed: at least one [[rod]] table"),
+    ("[[rod]]", "[rod]", "", "rod: is a table; allowed: [[rod]] tables"),
     (
         'kind = "pin"',
         'kind = "pinn"',
@@ -126,7 +126,10 @@ def test_empty_file(tmp_path):
     file = tmp_path / "empty.toml"
     file.touch()
     places = [line.split(": ")[1] for line in call("run", str(file)).stderr.splitlines()]
-    assert places == ["section", "rod", "run"]
+    assert places == ["run"]
+    file.write_text("[run]\nt_end = 1.0\n")
+    line = call("run", str(file)).stderr.strip()
+    assert line == f"{file}: rod: is missing; allowed: at least one [[rod]] or [[body]] table"
 
 
 @pytest.mark.parametrize(
