@@ -129,7 +129,7 @@ def test_a_rod_with_its_mass_beside_the_axis_keeps_the_laws_of_mechanics(rule, k
     spin, weight = np.array([3.0, 5.0, -2.0]), np.array([0.0, 0.0, -9.81])
     rod = cy.Rod(OFF_AXIS, length=0.5, elements=4, direction=(1, 0, 0), kinematics=kinematics)
     start = {
-        "velocity": lambda s: np.cross(spin, (s, 0.0, 0.0)) + (0.1, 0.2, 1.0),
+        "velocity": lambda s: np.cross(spin, (s, 0.0, 0.0)) + np.array([0.1, 0.2, 1.0]),
         "angular_velocity": quaternion.inverse_rotate(rod.rotation, spin),
     }
     step = {"dt": 2e-3} if rules.by_name(rule).implicit else {}
