@@ -7,6 +7,7 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.constraint import element_constraints
 from cayley.discrete.node import node_point, tangent
 from cayley.results.frames import Frames
+from cayley.results.joint_rates import joint_rates
 from cayley.steppers.saddle import reactions
 from cayley.system.system import System
 
@@ -29,13 +30,14 @@ def constraint_forces(
 
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
-    function = _rates(system)
+    function, of_joints = _rates(system), joint_rates(system)
     left, right = np.zeros_like(forces), np.zeros_like(forces)
     elements = np.flatnonzero(system.named["length"])
     for k, time in enumerate(frames.times):
         turning, bias = function(_inputs(system, frames.values[k], velocity[k], float(time)))
         turning, bias = np.asarray(turning).T, np.asarray(bias).T
-        found = reactions(system, frames.state(k), forces[k] - bias, [-turning[elements]]).forces[0].sum(axis=1)
+        rates = [turning[elements], *of_joints(frames.values[k], velocity[k], float(time))]
+        found = reactions(system, frames.state(k), forces[k] - bias, [-r for r in rates]).forces[0].sum(axis=1)
         left[k, elements], right[k, elements] = found[:, 0], found[:, 1]
     return left, right
 
