@@ -1,4 +1,4 @@
-"""Assemblies are indifferent to where they are and how they are turned: random ones, and all that acts on them moved."""
+"""Assemblies are indifferent to where and how they stand: random ones, turned and shifted with all that acts on them."""
 
 from functools import partial
 
