@@ -34,6 +34,7 @@ _HOMES = {
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
 _MODULES = {
     "rules": "discrete.rules",
+    "damping": "model.damping",
     "loads": "model.loads",
     "supports": "model.supports",
     "densities": "density.library",
@@ -81,6 +82,7 @@ if TYPE_CHECKING:
     from cayley.model import Model as Model
     from cayley.model import Rod as Rod
     from cayley.model import Section as Section
+    from cayley.model import damping as damping
     from cayley.model import loads as loads
     from cayley.model import supports as supports
     from cayley.results.trajectory import Trajectory as Trajectory

@@ -59,6 +59,11 @@ class Track:
 def stepper_of(system: System) -> ModuleType:
     """The module that steps a system; those that need Numba are slow to import."""
     if system.equations.rule.implicit:
+        if system.equations.density.force is not None:
+            raise ValueError(
+                f"the rule {system.equations.rule} takes no damping or other forces beside the Lagrangian, yet; "
+                f"use verlet, screw, nodal or spectral(space=...)"
+            )
         from cayley.steppers import implicit_run
 
         return implicit_run
@@ -90,7 +95,7 @@ def follow(system: System, state: State, spacing: float, frames: int, h: float) 
     start = state.at_step(spacing / stride)
     received = [start.values[None]]
 
-    def receive(values: np.ndarray, momenta: np.ndarray) -> None:
+    def receive(values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
         received.append(values)
 
     result = stepper_of(system).run(system, start, stride=stride, saves=frames, receive=receive)

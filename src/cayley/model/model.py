@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
+from cayley.model.loads import Gravity, Load, PointLoad
 from cayley.model.rod import Port, Rod
 from cayley.model.supports import Support
 from cayley.model.validate import Mask
@@ -198,7 +198,8 @@ def _tree(model: Model) -> list[str]:
     lines = [f"Model: {rods}, {_counted(elements, 'element')}, {nodes} nodes, {model.mass:g} kg", "  parts"]
     for rod in model.rods:
         size = f"{rod.length:g} m, {_counted(rod.elements, 'element')}"
-        lines.append(f"    {model.name_of(rod)}: {size}, {rod.section.name}, {rod.mass:g} kg")
+        damped = "" if rod.damping is None else f", {rod.damping}"
+        lines.append(f"    {model.name_of(rod)}: {size}, {rod.section.name}, {rod.mass:g} kg{damped}")
     if model.supports:
         lines.append("  supports")
     for support in model.supports:
@@ -206,7 +207,7 @@ def _tree(model: Model) -> list[str]:
     if model.loads:
         lines.append("  loads")
     for load in model.loads:
-        text = load.described(model.name_of(load.part)) if isinstance(load, (PointLoad, LineLoad)) else str(load)
+        text = str(load) if isinstance(load, Gravity) else load.described(model.name_of(load.part))
         lines.append(f"    {text}")
     return lines
 

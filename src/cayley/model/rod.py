@@ -8,6 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from cayley.model import validate
+from cayley.model.damping import Damping
 from cayley.model.section import Section
 from cayley.model.validate import Array, Triple
 
@@ -35,6 +36,7 @@ class Rod:
         normal: of the section's e1 axis, of any length and any direction but the rod's own; None: as above.
         kinematics: "shearable" (Simo-Reissner), "unshearable" (Kirchhoff: sections stay perpendicular to the axis) or
             "inextensible" (Kirchhoff, and the axis keeps its length).
+        damping: made by `damping.retardation`, `damping.ratio`, ...; None: no damping at all.
         name: in listings and results; empty: the model numbers the rod.
 
     Raises:
@@ -50,6 +52,7 @@ class Rod:
     direction: Triple = (0.0, 0.0, 1.0)
     normal: Triple | None = None
     kinematics: str = "shearable"
+    damping: Damping | None = None
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -65,6 +68,9 @@ class Rod:
         if self.kinematics not in KINEMATICS:
             right = " or ".join(f'"{word}"' for word in KINEMATICS)
             raise ValueError(validate.wrong(owner, "kinematics", self.kinematics, right))
+        if self.damping is not None and not isinstance(self.damping, Damping):
+            right = "made by cayley.damping, such as damping.retardation(1e-3), or None"
+            raise TypeError(validate.wrong(owner, "damping", self.damping, right))
         normal = None if self.normal is None else validate.direction(owner, "normal", self.normal)
         direction = validate.direction(owner, "direction", self.direction)
         if normal is not None and math.sqrt(sum(c * c for c in np.cross(direction, normal).tolist())) < 1e-8:

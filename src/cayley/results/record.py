@@ -8,7 +8,9 @@ import numpy as np
 
 from cayley.model import Model, Port, Rod, Section
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
+from cayley.model.rod_loads import KINDS, RodLoad
 from cayley.model.supports import Support
+from cayley.results.forces_record import damping_from, damping_record, rod_load_from, rod_load_record
 
 
 class Sampled:
@@ -75,7 +77,7 @@ def model_from(record: Mapping[str, Any], functions: Sequence[Callable[[float], 
         functions: for every load the function of time it was, or None.
     """
     sections = [Section(**(given | {"name": str(given["name"])})) for given in record["sections"]]
-    rods = [Rod(**(given | {"section": sections[given["section"]]})) for given in record["rods"]]
+    rods = [_rod_from(given, sections) for given in record["rods"]]
     supports = [
         Support(Port(rods[s["rod"]], s["node"]), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]
     ]
@@ -118,7 +120,13 @@ def _rod_record(rod: Rod) -> dict[str, Any]:
         "direction": list(rod.direction),
         "normal": None if rod.normal is None else list(rod.normal),
         **({} if rod.kinematics == "shearable" else {"kinematics": rod.kinematics}),
+        **({} if rod.damping is None else {"damping": damping_record(rod.damping)}),
     }
+
+
+def _rod_from(record: Mapping[str, Any], sections: Sequence[Section]) -> Rod:
+    damping = {"damping": damping_from(record["damping"])} if "damping" in record else {}
+    return Rod(**({**record} | {"section": sections[record["section"]]} | damping))
 
 
 def _port_record(port: Port, model: Model) -> dict[str, Any]:
@@ -132,6 +140,8 @@ def _index(rod: Rod, model: Model) -> int:
 def _load_record(load: Load, model: Model) -> dict[str, Any]:
     if isinstance(load, Gravity):
         return {"kind": "gravity", "acceleration": list(load.acceleration)}
+    if isinstance(load, RodLoad):
+        return rod_load_record(load, _index(load.rod, model))
     place = _port_record(load.port, model) if isinstance(load, PointLoad) else {"rod": _index(load.rod, model)}
     named = getattr(load.value, "__name__", type(load.value).__name__)
     return {
@@ -147,6 +157,8 @@ def _load_record(load: Load, model: Model) -> dict[str, Any]:
 def _load_from(record: Mapping[str, Any], rods: Sequence[Rod], function: Callable[[float], Any] | None) -> Load:
     if record["kind"] == "gravity":
         return Gravity(tuple(record["acceleration"]))
+    if record["kind"] in KINDS:
+        return rod_load_from(record, list(rods))
     shared = {
         "kind": record["kind"],
         "value": tuple(record["value"]) if function is None else function,

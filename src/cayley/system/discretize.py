@@ -14,11 +14,12 @@ from cayley.discrete.rules import Rule
 from cayley.model import Model, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
 from cayley.system.compile import chain_arrays, chain_nodes, uniform_values
+from cayley.system.rod_forces import with_forces
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
 
 
-def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> System:
+def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", account: bool = False) -> System:
     """Compile the equations of a model.
 
     All rods run in one sweep, a chain of nodes each; constants that differ between rods become arrays.
@@ -27,22 +28,24 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
         model: the model.
         rule: quadrature rule.
         rotation: "quaternion" or "matrix".
+        account: keep account of the work of loads; it is kept anyway where there are forces beside the Lagrangian.
 
     Returns: the System; its nodes are those of the rods, one rod after the other.
     """
     rods = model.rods
-    library_density = _KINEMATICS[_one_kinematics(rods)][0]
+    library_density, constrained = _KINEMATICS[_one_kinematics(rods)]
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
-    constants = [_rod_constants(rod, gravity) for rod in rods]
+    lagrangian, forces = with_forces(library_density, model, constrained)
+    constants = [_rod_constants(rod, gravity) | own for rod, own in zip(rods, forces, strict=True)]
     pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
-    density = trace(library_density, pattern)
+    density = trace(lagrangian, pattern)
     entries = {name: np.array([_entry(c, name) for c in constants]) for name in density.names}
     inverse = np.array([1.0 / rod.element_length for rod in rods])
     varying = [name for name, values in entries.items() if np.any(values != values[0])]
     varying += ["inverse"] if np.any(inverse != inverse[0]) else []
-    equations = derive(density, rule, rotation=rotation, varying=varying)
+    equations = derive(density, rule, rotation=rotation, varying=varying, account=account)
     places = [chain_nodes(np.asarray(rod.nodes), rule.degree) for rod in rods]
     counts = [len(place) for place in places]
     chains = [chain_arrays(place, rule.degree) for place in places]
