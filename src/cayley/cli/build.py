@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cayley.cli import expressions, problems, schema
+from cayley.cli import expressions, force_build, problems, schema
+from cayley.cli.force_tables import AlongRod
 from cayley.cli.schema import Place
 from cayley.model import Material, Model, Port, Rod, Section, loads, supports
 from cayley.model.loads import Load
@@ -104,7 +105,8 @@ def _rods(tables: schema.ScenarioTables, sections: Mapping[str, Section], found:
             found.add(("rod", k, "section"), problems.unlike(table.section, tables.section))
         elif table.section in sections:
             with found.at("rod", k):
-                rods[table.name] = Rod(sections[table.section], **table.model_dump(exclude={"section"}))
+                values = table.model_dump(exclude={"section", "damping"})
+                rods[table.name] = Rod(sections[table.section], damping=force_build.damping_of(table.damping), **values)
     return rods
 
 
@@ -127,6 +129,15 @@ def _loads(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found
         if isinstance(table, schema.GravityTable):
             with found.at("load", k):
                 acting.append(loads.gravity(table.acceleration))
+            continue
+        if isinstance(table, AlongRod):
+            rod = _rod(table.rod, rods, ("load", k, "rod"), found)
+            wrong = force_build.wrong_parts(table)
+            for place, part, text in wrong:
+                found.add(("load", k, *place), f"{problems.shown(part)} {text}")
+            if rod is not None and not wrong:
+                with found.at("load", k):
+                    acting.append(force_build.rod_load(table, rod))
             continue
         target: Port | Rod | None
         if isinstance(table, schema.PointLoadTable):

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field
+from pydantic import Discriminator, Field
 
+from cayley.cli import force_tables
 from cayley.cli.expressions import LANGUAGE
+from cayley.cli.force_tables import FORCE_TABLES, DampingTable
+from cayley.cli.table import Table, Until
 
 _NAME = 'a text without "/" and other than empty'
 _NODE = "ROD.start, ROD.end or ROD.node K, where ROD is the name of a rod"
@@ -20,7 +23,6 @@ Name = Annotated[str, Field(pattern=r"^[^/]+$")]
 Axes = Annotated[str, Field(pattern=r"^(?!.*(.).*\1)[xyz]*$")]
 Value = Annotated[list[float | str], Field(min_length=3, max_length=3)]
 ShearCorrection = float | Annotated[list[float], Field(min_length=2, max_length=2)]
-Until = Annotated[float, Field(allow_inf_nan=True)]
 
 
 def _positive(unit: str) -> Any:
@@ -34,12 +36,6 @@ def _vector(unit: str, default: Any = ...) -> Any:
 def _rows(name: str, size: int, units: str) -> Any:
     text = f"{size} rows of {size} numbers, or the {size} numbers of the diagonal {units}"
     return Field(min_length=size, max_length=size, description=text)
-
-
-class Table(BaseModel):
-    """What all tables share: no unknown keys, no silent conversions, no infinite numbers."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, regex_engine="python-re")
 
 
 class MaterialTable(Table):
@@ -105,6 +101,7 @@ class RodTable(Table):
     kinematics: Literal["shearable", "unshearable", "inextensible"] = Field(
         "shearable", description='"shearable", "unshearable" or "inextensible"'
     )
+    damping: DampingTable | None = Field(None, description="a table such as { retardation = 1e-3 }")
 
 
 class PinTable(Table):
@@ -178,6 +175,7 @@ class RunTable(Table):
         None, gt=1e-12, lt=0.5, description="a number between 1e-12 and 0.5, such as 1e-3, instead of dt"
     )
     rotation: Literal["quaternion", "matrix"] = Field("quaternion", description='"quaternion" or "matrix"')
+    balance: bool = Field(False, description="true or false")
     allow_unstable: bool = Field(False, description="true or false")
 
 
@@ -197,7 +195,17 @@ class NotesTable(Table):
 
 SectionTable = Annotated[RectangleTable | CircleTable | TubeTable | GivenTable, Discriminator("shape")]
 SupportTable = Annotated[PinTable | HoldTable, Discriminator("kind")]
-LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable, Discriminator("kind")]
+RodLoadTable = (
+    force_tables.DistributedTable
+    | force_tables.PressureTable
+    | force_tables.DragTable
+    | force_tables.BuoyancyTable
+    | force_tables.ImposedStrainTable
+    | force_tables.TemperatureTable
+    | force_tables.TendonTable
+    | force_tables.DensityTable
+)
+LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable | RodLoadTable, Discriminator("kind")]
 
 
 class ScenarioTables(Table):
@@ -230,6 +238,7 @@ _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
             "moment": PointLoadTable,
             "line_force": LineLoadTable,
             "line_moment": LineLoadTable,
+            **FORCE_TABLES,
         },
     ),
 }
@@ -254,6 +263,8 @@ def located(loc: Place) -> tuple[Place, type[Table] | None]:
         return loc[:2], _ONE[top]
     if len(loc) == 2:
         return loc, None
+    if top == "rod" and loc[2] == "damping" and len(loc) > 3:
+        return loc[:4], DampingTable
     if top in _MANY:
         return loc[:3], _MANY[top]
     return (*loc[:2], loc[3]), _KINDS[top][1][str(loc[2])]
