@@ -153,3 +153,27 @@ def test_density_of_ones_own_is_what_the_library_has():
     first, second = (cy.simulate(m, 0.5, initial=start)[made].velocity.values for m in (own, same))
     np.testing.assert_allclose(first, second, atol=1e-8)
     assert first[-1, 0, 2] < 0.99
+
+
+@pytest.mark.parametrize("elements", [3, 8])
+def test_roll_up_closes_to_a_circle_with_any_number_of_elements(elements):
+    """A moment 2πEI/L at the end: the tip comes back to the origin, its distance falls exponentially.
+
+    Source: Hante, Tumiotto, Arnold (2021), example roll-up of their code crmS3R3.
+    """
+    section = cy.Section.given(
+        stiffness=np.diag([1e4] * 3 + [500.0] * 3), mass_per_length=1.0, inertia=10.0 * np.eye(3)
+    )
+    made = cy.Rod(section, length=10.0, elements=elements, damping=damping.viscous([100.0] * 6))
+    moment = loads.moment(made.end, (0, 2 * np.pi * 500.0 / 10.0, 0), frame="body")
+    model = cy.Model(made, supports=[supports.clamp(made.start)], loads=[moment])
+    run = cy.simulate(model, 360.0, 4e-3, rule=cy.rules.screw, save_every=1.0)
+    ends = run[made].position.values[:, [0, -1]]
+    distance = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    peaks = distance[1:].reshape(6, 60).max(axis=1)  # of a minute each
+    assert np.all(peaks[1:] < 0.1 * peaks[:-1])
+    assert peaks[-1] < 1e-6 * 10.0
+    turned = quaternion.multiply(
+        quaternion.conjugate(run[made].rotation.values[-1, 0]), run[made].rotation.values[-1, -1]
+    )
+    assert abs(turned[0]) == pytest.approx(1.0, abs=1e-9)  # once around
