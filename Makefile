@@ -12,7 +12,8 @@ DEMO_OUT := runs/leitz2014
 USABLE := import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))
 PYTHON ?= $(shell for p in python3.11 python3 python; do $$p -c '$(USABLE)' >/dev/null 2>&1 && echo $$p && break; done)
 
-# Wheels only: no compiler is needed, and a missing wheel is an error at once. The lock pins every version.
+# Wheels only: a missing wheel is an error at once. The lock pins every version. Our own C needs a compiler: the system's,
+# or that of the package ziglang.
 INSTALL := $(BIN)/python -m pip --disable-pip-version-check --no-input install --quiet --only-binary :all:
 LOCKED := $(INSTALL) --constraint $(LOCK) --no-build-isolation
 
@@ -30,14 +31,14 @@ help:
 	@echo "make lock    renew $(LOCK) from the ranges in pyproject.toml"
 	@echo "make clean   remove the environments, caches and runs"
 
-demo: $(VENV)/.run
+demo: $(VENV)/.engine
 	$(BIN)/cayley run leitz2014 --out $(DEMO_OUT)
 	@for report in $(DEMO_OUT)/*.html; do echo "Open the report: $(CURDIR)/$$report"; done
 
 test: lint
 	$(BIN)/python -m pytest -n 2
 
-lint: $(VENV)/.dev
+lint: $(VENV)/.dev $(VENV)/.engine
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -47,18 +48,25 @@ lint: $(VENV)/.dev
 # The peers live in an environment of their own, benchmarks/.venv-peers, which the scripts make.
 BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep report
 
-bench: $(VENV)/.dev
+bench: $(VENV)/.dev $(VENV)/.engine
 	@set -e; for name in $(BENCHMARKS); do echo "benchmarks/$$name.py"; $(BIN)/python benchmarks/$$name.py; done
 
-audit: $(VENV)/.dev
+audit: $(VENV)/.dev $(VENV)/.engine
 	@$(BIN)/python -m audit
+
+NATIVE := $(wildcard src/cayley/steppers/native/*.[ch])
 
 $(VENV)/.run: pyproject.toml $(LOCK)
 	@test -n "$(PYTHON)" || { echo "cayley needs CPython 3.11 or later with venv; found none (try PYTHON=/path/to/python3)" >&2; exit 1; }
 	@echo "Setting up $(VENV) with $(PYTHON), once; this takes about a minute"
 	@$(PYTHON) -m venv --clear $(VENV)
-	@$(LOCKED) hatchling editables
+	@$(LOCKED) hatchling editables $(shell command -v cc >/dev/null || echo ziglang)
 	@$(LOCKED) --editable .
+	@touch $@
+
+# The install compiles the C sources; after they have changed they are compiled again.
+$(VENV)/.engine: $(VENV)/.run hatch_build.py $(NATIVE)
+	@$(BIN)/python hatch_build.py
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.run

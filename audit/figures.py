@@ -66,7 +66,7 @@ def draw_energy(found: Sequence[Finding], path: Path) -> None:
                 deviation = np.maximum(np.abs(f.energies), 1e-17)[1:]
                 deviation = deviation[: len(deviation) // width * width].reshape(-1, width).max(axis=1)
                 ax.semilogy(share[1::width][: len(deviation)], deviation, color=palette[f.rule], lw=1.0, label=f.rule)
-        ax.set(title=name, xlabel="part of the long run", ylim=(1e-16, 1e-2))
+        ax.set(title=name, xlabel="part of the long run; its length is in the tables", ylim=(1e-16, 1e-2))
     axes[0].set_ylabel("largest |E − E(0)| of 20 frames, over the largest T")
     handles, labels = axes[-1].get_legend_handles_labels()
     fig.legend(handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=8)

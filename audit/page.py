@@ -23,9 +23,10 @@ What the theory promises for every rule, and what a run of the code keeps. This 
 | symplectic | JᵀΩ(z⁺)J − Ω(z) for the Jacobian J of {flow} steps, by differences of order 8, in units in which Ω is 1 | < {symplectic:.0e} |
 | reversal | distance from the start after {back} steps, momenta reversed, {back} steps | < {reversal:.0e} |
 
-The long run has {steps:,} steps; of rods under implicit rules {steps:,}/(stages × degree)². The flow is that of one rotation, or of
-a rod of one element (two, where an element has two nodes only). Errors are those of positions in m and of entries of
-rotation matrices.
+The long run has {steps:,} steps; of rods under implicit rules {steps:,}/(stages × degree)², since their cost grows like that.
+[Length of the long runs](#length-of-the-long-runs) says what each rule ran; so do the tables and the list of what falls short.
+The flow is that of one rotation, or of a rod of one element (two, where an element has two nodes only). Errors are those of
+positions in m and of entries of rotation matrices.
 """
 
 REFERENCES = {
@@ -54,6 +55,7 @@ def write(found: Sequence[Finding], stiff: Sequence[Convergence], seconds: float
             steps=STEPS,
         ),
         shortfalls(found, stiff),
+        lengths(found),
         "## Order\n\n![Error against time step for every rule](images/audit_order.png)\n",
         "## Energy\n\n![Deviation of the energy over the long runs](images/audit_energy.png)\n",
         unresolved(stiff),
@@ -70,7 +72,8 @@ def shortfalls(found: Sequence[Finding], stiff: Sequence[Convergence]) -> str:
         short = [name for name, good in f.passed.items() if not good]
         if short:
             note = f" ({f.note})" if f.note else ""
-            lines.append(f"* {f.problem}, `{f.rule}`, {f.form}: {', '.join(f'{n} {value(f, n)}' for n in short)}{note}")
+            told = ", ".join(f"{n} {value(f, n)}" for n in short)
+            lines.append(f"* {f.problem}, `{f.rule}`, {f.form}, long run of {length(f)}: {told}{note}")
     for reason, which in reasons([f for f in found if f not in ran]).items():
         lines.append(f"* Not there: {', '.join(f'`{rule}`' for rule in which)}: {reason}.")
     for c in stiff:
@@ -110,6 +113,31 @@ def orders(f: Finding) -> str:
     return f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} … {high:.2f}"
 
 
+def length(f: Finding) -> str:
+    """Steps of the long run, and of how many where it was shortened."""
+    if not f.run:
+        return "no steps: it stopped"
+    return f"{f.run:,} steps" if f.run >= STEPS else f"{f.run:,} of {STEPS:,} steps"
+
+
+def lengths(found: Sequence[Finding]) -> str:
+    """Steps of the long runs by rule and problem, the least of both forms."""
+    names = [problem.name for problem in PROBLEMS]
+    lines = [
+        "## Length of the long runs\n",
+        f"Momenta and energy are measured over this many steps, the fewer of both forms; what is under {STEPS:,} is shortened.\n",
+        f"| rule | {' | '.join(names)} |",
+        "| --- |" + " --- |" * len(names),
+    ]
+    for rule in dict.fromkeys(f.rule for f in found):
+        cells = []
+        for name in names:
+            runs = [f.run for f in found if (f.problem, f.rule) == (name, rule)]
+            cells.append(("stopped" if not min(runs) else f"{min(runs):,}") if runs else "")
+        lines.append(f"| `{rule}` | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 def table(name: str, momenta: str, found: Sequence[Finding]) -> str:
     """Table of one problem."""
     lines = [
@@ -131,7 +159,7 @@ def table(name: str, momenta: str, found: Sequence[Finding]) -> str:
             smallest,
             f"{f.momentum:.0e}{flag['momentum']}",
             f"{f.rise:.0e} / {f.ripple:.0e}{flag['energy']}",
-            f"{f.run:,}",
+            length(f).removesuffix(" steps"),
             f"{f.defect:.0e}{flag['symplectic']}",
             f"{f.back:.0e}{flag['reversal']}",
         ]

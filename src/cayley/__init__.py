@@ -25,6 +25,9 @@ _HOMES = {
     "Material": "model",
     "Section": "model",
     "Rod": "model",
+    "Body": "model",
+    "PointMass": "model",
+    "ground": "model.port",
     "Model": "model",
     "simulate": "simulation",
     "integrate": "simulation",
@@ -37,6 +40,8 @@ _MODULES = {
     "damping": "model.damping",
     "loads": "model.loads",
     "supports": "model.supports",
+    "joints": "model.joints",
+    "springs": "model.springs",
     "densities": "density.library",
 }
 
@@ -78,12 +83,17 @@ if TYPE_CHECKING:
     from cayley.density.library import E2 as E2
     from cayley.density.library import E3 as E3
     from cayley.discrete import rules as rules
+    from cayley.model import Body as Body
     from cayley.model import Material as Material
     from cayley.model import Model as Model
+    from cayley.model import PointMass as PointMass
     from cayley.model import Rod as Rod
     from cayley.model import Section as Section
     from cayley.model import damping as damping
+    from cayley.model import ground as ground
+    from cayley.model import joints as joints
     from cayley.model import loads as loads
+    from cayley.model import springs as springs
     from cayley.model import supports as supports
     from cayley.results.trajectory import Trajectory as Trajectory
     from cayley.simulation import SimulationError as SimulationError

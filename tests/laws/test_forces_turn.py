@@ -1,4 +1,4 @@
-"""Damping and loads along rods prefer no frame: a turned and shifted problem has the same answer, turned and shifted."""
+"""Damping and loads along rods prefer no frame: a turned, shifted problem has the same answer, turned and shifted."""
 
 import numpy as np
 import pytest

@@ -6,8 +6,9 @@ from types import ModuleType
 
 import numpy as np
 
-from cayley.steppers import decoupled_run
+from cayley.steppers import coupled_run, decoupled_run, implicit_run
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.saddle import is_constrained
 from cayley.system.system import State, System
 
 FRAMES, FEWEST_FRAMES = 64, 8
@@ -23,8 +24,8 @@ class Track:
     Args:
         h: step of the trial [s].
         places: positions of the nodes [m], shape (frames + 1, nodes, k).
-        turns: rotations of a system of one node, twice the quaternion so that small distances are angles [rad], shape
-            (frames + 1, 1, m); of other systems m is 0.
+        turns: rotations of nodes without an element (bodies, or all there is), twice the quaternion so that small
+            distances are angles [rad], shape (frames + 1, k, m); without such nodes m is 0.
     """
 
     h: float
@@ -57,20 +58,16 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system; those that need Numba are slow to import."""
+    """The module that steps a system."""
     if system.equations.rule.implicit:
         if system.equations.density.force is not None:
             raise ValueError(
                 f"the rule {system.equations.rule} takes no damping or other forces beside the Lagrangian, yet; "
                 f"use verlet, screw, nodal or spectral(space=...)"
             )
-        from cayley.steppers import implicit_run
-
         return implicit_run
-    if system.equations.density.constraints.numel():
-        from cayley.steppers import constrained_run
-
-        return constrained_run
+    if is_constrained(system) or system.springs:
+        return coupled_run
     return decoupled_run
 
 
@@ -103,13 +100,15 @@ def follow(system: System, state: State, spacing: float, frames: int, h: float) 
         return None
     values, layout = np.concatenate(received), system.layout
     vectors = [values[..., layout.rows_of(name)] for name in layout.fields if name not in layout.rotations]
+    lone = np.repeat(np.array(system.chains) == 1, system.chains)
     turns = [
-        2.0 * layout.representation.to_quaternion(values[..., layout.rows_of(name)])
+        2.0 * layout.representation.to_quaternion(values[:, lone, layout.rows_of(name)])
         for name in layout.rotations
-        if system.size == 1
+        if lone.any()
     ]
     nothing = values[..., :0]
-    return Track(start.h, np.concatenate([*vectors, nothing], axis=2), np.concatenate([*turns, nothing], axis=2))
+    places = np.concatenate([*vectors, nothing], axis=2)
+    return Track(start.h, places, np.concatenate(turns, axis=2) if turns else nothing)
 
 
 def differences(first: Track, second: Track) -> np.ndarray:

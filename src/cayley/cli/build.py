@@ -13,6 +13,7 @@ from cayley.cli import expressions, force_build, problems, schema
 from cayley.cli.force_tables import AlongRod
 from cayley.cli.schema import Place
 from cayley.model import Material, Model, Port, Rod, Section, loads, supports
+from cayley.model.joints import Joint
 from cayley.model.loads import Load
 from cayley.model.supports import Support
 
@@ -110,8 +111,8 @@ def _rods(tables: schema.ScenarioTables, sections: Mapping[str, Section], found:
     return rods
 
 
-def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> list[Support]:
-    held = []
+def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> list[Support | Joint]:
+    held: list[Support | Joint] = []
     for k, table in enumerate(tables.support):
         port = _port(table.at, rods, ("support", k, "at"), found)
         if port is not None:

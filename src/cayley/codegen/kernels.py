@@ -13,6 +13,7 @@ from cayley.codegen import jit
 from cayley.codegen.listing import print_listing
 from cayley.codegen.llvm import print_ir
 from cayley.discrete.equations import DiscreteEquations
+from cayley.discrete.program import Program
 
 
 class Kernel(NamedTuple):
@@ -51,10 +52,7 @@ class Kernels:
     def __getitem__(self, name: str) -> Kernel:
         """The kernel "step", "step_held", "kick" or "observe"."""
         if name not in self._found:
-            key = "\n".join([self.equations.signature, str(self.lanes), sources_digest()])
-            names = (name, f"{name}_setup", f"{name}_width")
-            (run, setup, width), _ = jit.load(names, functools.partial(self.ir, name), key)
-            self._found[name] = Kernel(run, setup, ctypes.CFUNCTYPE(ctypes.c_int64)(width)())
+            self._found[name] = compiled(self.equations.program(name), self.lanes, self.equations.signature)
         return self._found[name]
 
     def ir(self, name: str) -> str:
@@ -64,6 +62,14 @@ class Kernels:
     def __str__(self) -> str:
         """List the kernel that does most of the work as formulas."""
         return print_listing(self.equations.program(self.equations.main_program), self.lanes)
+
+
+def compiled(program: Program, lanes: int, signature: str = "") -> Kernel:
+    """Machine code of a program by itself; name and signature must determine it, with the sources of this package."""
+    names = (program.name, f"{program.name}_setup", f"{program.name}_width")
+    key = "\n".join([signature, str(lanes), sources_digest()])
+    (run, setup, width), _ = jit.load(names, functools.partial(print_ir, program, lanes), key)
+    return Kernel(run, setup, ctypes.CFUNCTYPE(ctypes.c_int64)(width)())
 
 
 def lanes_for(cell: int, cells: int) -> int:

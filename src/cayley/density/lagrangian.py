@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from cayley.density.fields import Field, Interval, Rotation, Vector
@@ -19,6 +19,7 @@ class Lagrangian:
         name: name used in messages and listings.
         pose: a rotation and a vector of size 3 that together are the pose of a frame, for the screw rules; or None.
         constraint: function (q, c) -> g(q, q′, s), zero at the strain points of every element; or None.
+        defaults: constants that need not be given, with their values.
         force: function (q, c) -> pairs (F, e) of non-conservative forces, δW = Σ F·δe; or None.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), section 4.
@@ -30,6 +31,7 @@ class Lagrangian:
     name: str
     pose: tuple[str, str] | None = None
     constraint: Callable[[Any, Any], Any] | None = None
+    defaults: Mapping[str, Any] = field(default_factory=dict)
     force: Callable[[Any, Any], Any] | None = None
 
     @property
@@ -37,7 +39,7 @@ class Lagrangian:
         """Every name that q offers: fields, their derivatives, the coordinate and the time."""
         suffixes = ("", "_t") if self.interval is None else ("", "_t", f"_{self.interval}")
         places = ("t",) if self.interval is None else (self.interval, "t")
-        return tuple(field + suffix for field in self.fields for suffix in suffixes) + places
+        return tuple(name + suffix for name in self.fields for suffix in suffixes) + places
 
     def __str__(self) -> str:
         """Describe the fields in one line."""
@@ -52,6 +54,7 @@ def lagrangian(
     *,
     pose: tuple[str, str] | None = None,
     constraint: Callable[[Any, Any], Any] | None = None,
+    defaults: Mapping[str, Any] | None = None,
     force: Callable[[Any, Any], Any] | None = None,
     **fields: Any,
 ) -> Callable[[Callable[[Any, Any], Any]], Lagrangian]:
@@ -64,6 +67,7 @@ def lagrangian(
         pose: names of a rotation and of a vector of size 3 that together are a frame's pose; the screw rules need it.
         constraint: function (q, c) of fields and their derivatives along the interval, a number or a vector, kept zero
             at the strain points of every element by Lagrange multipliers; just for a density on an interval.
+        defaults: values of the constants that may be left out.
         force: function (q, c) that returns a list of pairs (F, e): the force F, which may depend on velocities and on
             cy.rate of anything, works on the quantity e of fields and slopes, δW = Σ F·δe [J/m; without an interval J].
             With a rotation itself as e, (M, q.p), M is a moment in the body frame.
@@ -78,17 +82,17 @@ def lagrangian(
     """
     interval = None
     declared: dict[str, Field] = {}
-    for name, field in fields.items():
-        if field is Interval or isinstance(field, Interval):
+    for name, kind in fields.items():
+        if kind is Interval or isinstance(kind, Interval):
             if interval is not None:
                 raise TypeError(f"lagrangian: {interval} and {name} are both intervals; declare at most one")
             interval = name
-        elif field is Rotation or isinstance(field, Rotation):
+        elif kind is Rotation or isinstance(kind, Rotation):
             declared[name] = Rotation()
-        elif isinstance(field, Vector):
-            declared[name] = field
+        elif isinstance(kind, Vector):
+            declared[name] = kind
         else:
-            raise TypeError(f"lagrangian: {name} is {field!r}; give cy.Rotation(), cy.Vector(n) or cy.Interval")
+            raise TypeError(f"lagrangian: {name} is {kind!r}; give cy.Rotation(), cy.Vector(n) or cy.Interval")
     if not declared:
         raise TypeError("lagrangian: no field declared; give at least one, such as x=cy.Vector(3)")
 
@@ -105,7 +109,8 @@ def lagrangian(
     def decorate(function: Callable[[Any, Any], Any]) -> Lagrangian:
         if not callable(function) or len(inspect.signature(function).parameters) != 2:
             raise TypeError(f"lagrangian: {function!r} must be a function of (q, c)")
-        made = Lagrangian(function, declared, interval, getattr(function, "__name__", "L"), pose, constraint, force)
+        name = getattr(function, "__name__", "L")
+        made = Lagrangian(function, declared, interval, name, pose, constraint, defaults or {}, force)
         twice = sorted(n for n in set(made.names) if made.names.count(n) > 1)
         if twice:
             raise TypeError(f"lagrangian {made.name}: the name {twice[0]} has two meanings; rename a field")

@@ -55,7 +55,8 @@ class Density:
 
         Args:
             part: "inertia", "strain" or "load".
-            point: values for the slots, "frame of NAME" for rotations, the coordinate and "t"; absent ones are 0.
+            point: values for the slots, "frame of NAME" for rotations, the coordinate and "t"; absent ones are 0. By
+                their names ("c.mass") also constants that have other symbols there.
             only: "all", or, of W: "quotients" (terms of difference quotients alone) or "values" (the others).
 
         Returns: slot name -> gradient, the shape of the slot.
@@ -70,16 +71,18 @@ class Density:
             self._cache[key] = ca.Function(
                 part, [self._inputs()], ca.vertsplit(columns, sizes.tolist()), {"allow_free": True}
             )
-        found = self._cache[key].call([self._at(point)])
+        found = self._own_constants(self._cache[key].call([self._at(point)]), point)
         return {name: _column(value) for name, value in zip(self.slots, found, strict=True)}
 
     def value(self, part: str, point: Mapping[str, Any]) -> ca.SX:
         """Value of T, W or U [J or J/m] at a point (see gradient)."""
-        return ca.substitute([self._total(part)], [self._inputs()], [self._at(point)])[0]
+        found = ca.substitute([self._total(part)], [self._inputs()], [self._at(point)])
+        return self._own_constants(found, point)[0]
 
     def constraint(self, point: Mapping[str, Any]) -> ca.SX:
         """The constraints g at a point (see gradient), a column."""
-        return ca.substitute([self.constraints], [self._inputs()], [self._at(point)])[0]
+        found = ca.substitute([self.constraints], [self._inputs()], [self._at(point)])
+        return self._own_constants(found, point)[0]
 
     def forces(self, place: str, kind: str, point: Mapping[str, Any]) -> dict[str, Expression]:
         """Non-conservative forces f at a point, δW = Σ f·δ(slot); those of a rotation's own slot are body moments.
@@ -149,6 +152,16 @@ class Density:
         frames = [ca.vec(to_sx(f)) for f in self.frames.values()]
         return bool(ca.depends_on(term, ca.vertcat(*own, *coordinate, *frames)))
 
+    def _own_constants(self, found: list[ca.SX], point: Mapping[str, Any]) -> list[ca.SX]:
+        """Expressions with the constants that a point gives in place of their symbols."""
+        pairs = zip(self.names, ca.vertsplit(self.parameters), strict=True)
+        own = [(symbol, ca.SX(to_sx(point[name]))) for name, symbol in pairs if name in point]
+        if not own:
+            return found
+        before, after = zip(*own, strict=True)
+        replaced: list[ca.SX] = ca.substitute(found, [ca.vertcat(*before)], [ca.vertcat(*after)])
+        return replaced
+
     def _inputs(self) -> ca.SX:
         flat = [*self.slots.values(), *self.frames.values(), *self.places.values()]
         return ca.vertcat(*[to_sx(v.reshape(-1)) for v in flat])
@@ -187,7 +200,7 @@ def trace(lagrangian: Lagrangian, constants: Mapping[str, Any]) -> Density:
             frames[name] = symbols(f"{name}_frame", 3, 3)
             offered[name] = RotationSymbol(frames[name], slots[name])
     places = {name: symbols(name) for name in ((along, "t") if along else ("t",))}
-    parameters, arrays = _constants(constants, where)
+    parameters, arrays = _constants({**lagrangian.defaults, **constants}, where)
     q = _Names(offered | places, f"{where}: unknown name q.{{}}")
     c = _Names(arrays, f"{where}: unknown constant c.{{}}")
     value = _call(lagrangian, q, c, where)

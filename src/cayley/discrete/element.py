@@ -9,6 +9,7 @@ import numpy as np
 from cayley.density import Density
 from cayley.density.expression import Expression, cross, dot, from_sx, to_sx, wrap, zeros
 from cayley.discrete.layout import Layout
+from cayley.discrete.pose import screw_forces, strains_only
 from cayley.discrete.rules import Points
 from cayley.lie import series
 
@@ -29,7 +30,8 @@ def element_points(
         points: corners, middle or screw.
         layout: rows of a node.
         ends: values at the two nodes, shape (layout.rows,) each.
-        place: "inverse" 1/ds, "t", and the coordinates "left", "right" of the nodes.
+        place: "inverse" 1/ds, "t", the coordinates "left", "right" of the nodes, and "at points", if given the
+            constants that each point has of its own.
 
     Returns: (weight, point) pairs.
 
@@ -60,7 +62,8 @@ def element_points(
             shared[f"{name}_{along}"] = (b - a) * place["inverse"]
             for value, x in zip(values, (a, b) if points.corners else (0.5 * (a + b),), strict=True):
                 value[name] = x
-    return [(weight, shared | value) for weight, value in zip(points.weights, values, strict=True)]
+    own = place.get("at points", [{}] * len(values))
+    return [(w, shared | value | more) for w, value, more in zip(points.weights, values, own, strict=True)]
 
 
 def element_energy(
@@ -82,7 +85,7 @@ def element_forces(
     Returns: forces on the left and the right node, shape (layout.dofs,) each.
     """
     if points.screw:
-        return _by_differentiation(density, points, layout, ends, place)
+        return _screw_forces(density, points, layout, ends, place)
     found = element_points(density, points, layout, ends, place)
     left, right = (zeros(layout.dofs) for _ in range(2))
     along = density.lagrangian.interval
@@ -164,10 +167,17 @@ def _screw_point(
     return point
 
 
-def _by_differentiation(
+def _screw_forces(
     density: Density, points: Points, layout: Layout, ends: tuple[Expression, Expression], place: Mapping[str, Any]
 ) -> tuple[Expression, Expression]:
-    """Forces on the nodes as −Tᵀ∂W/∂(rows): for kinematics without a transposed derivative of their own."""
+    """By way of the relative pose where W depends on nothing else, or else as −Tᵀ∂W/∂(rows)."""
+
+    def strain(point: Mapping[str, Any]) -> ca.SX:
+        return density.value("strain", point)
+
+    if strains_only(density, "strain"):
+        middle = {str(density.lagrangian.interval): 0.5 * (place["left"] + place["right"])}
+        return screw_forces(density, layout, strain, ends, middle | {k: place[k] for k in ("inverse", "t")})
     energy = element_energy(density, points, layout, ends, place)
     forces = []
     for end in ends:

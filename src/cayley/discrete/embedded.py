@@ -5,6 +5,7 @@ So a term is written once as a function of the unnormalized value z and its deri
 its gradient and Hessian are contracted with the interpolation: the size of the code does not depend on the degree.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import casadi as ca
@@ -12,52 +13,55 @@ import numpy as np
 
 from cayley.density import Density
 from cayley.density.expression import Expression, dot, symbols, to_sx, wrap
-from cayley.discrete.constraint import element_constraints
-from cayley.discrete.element import element_energy
+from cayley.discrete.element import element_points
+from cayley.discrete.jet import Jet, jet
 from cayley.discrete.layout import Layout
+from cayley.discrete.pose import screw_jet, strain_jet, strains_only
 from cayley.discrete.program import Program
 from cayley.discrete.representation import homogeneous
 from cayley.discrete.rules import Points
 from cayley.lie import quaternion
 
+POINT_PROGRAMS = (
+    *("inertia_point", "strain_point", "constraint_point"),
+    *("inertia_point_force", "strain_point_force", "constraint_point_slope"),
+)
+"""Names of the programs here."""
+
 
 def point_program(
     density: Density, layout: Layout, name: str, points: Points | None, varying: tuple[str, ...]
 ) -> Program:
-    """Value, gradient and Hessian of one term at one quadrature point.
+    """Value, derivative and Hessian of one term at one quadrature point, or without the Hessian.
 
     name "inertia_point": T − U at (z, ż).  name "strain_point": W at (z, z′), or of two end nodes where the rule takes
-    corners. With p = z/‖z‖: ω = 2 Im(z̄ ż)/‖z‖², and Ω alike.
+    corners.  name "constraint_point": the constraints g there, and the Hessian of λ·g. With p = z/‖z‖:
+    ω = 2 Im(z̄ ż)/‖z‖², and Ω alike. The names "inertia_point_force", "strain_point_force" and
+    "constraint_point_slope" are those without the Hessian, on the same inputs.
 
     Args:
         density: the density.
         layout: rows of a node, rotations as quaternions.
         name: which term.
-        points: where the strain terms stand.
+        points: where the strain terms and the constraints stand.
         varying: names of constants that differ from point to point.
 
-    Returns: a program on rows (z, z′, here, inverse, varying ...) -> (value, gradient, upper triangle of the Hessian).
+    Returns: a program on rows (z, z′, here, inverse, varying ..., λ of constraints) -> (value, derivative by rows,
+        upper triangle of the Hessian).
     """
+    term, second = name.removesuffix("_force").removesuffix("_slope"), name.endswith("_point")
+    count = density.constraints.numel()
+    multiplier = ca.SX.sym("lambda", count) if term == "constraint_point" else ca.SX(1.0)
     z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
-    along = density.lagrangian.interval
     here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
-    place = {"t": wrap(t), str(along): wrap(here)}
-    if name == "inertia_point":
-        point = embedded_point(layout, z, slope, "t") | place
-        value = density.value("inertia", point) - density.value("load", point)
-    elif points is not None and points.between_ends:
-        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here + 1.0 / inverse)}
-        value = element_energy(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
-    else:
-        value = density.value("strain", embedded_point(layout, z, slope, str(along)) | place)
-    unknown = ca.vertcat(to_sx(z), to_sx(slope))
-    gradient = ca.gradient(value, unknown)
-    hessian = ca.densify(ca.jacobian(gradient, unknown))
-    size = 2 * layout.rows
-    upper = [hessian[i, k] for i in range(size) for k in range(i, size)]
+    place = {"here": wrap(here), "inverse": wrap(inverse), "t": wrap(t)}
+    found = _term(density, layout, term, points, (z, slope), place, multiplier, second=second)
+    outputs = [*_entries(found.values), *_entries(found.slope)]
+    if found.curvature is not None:
+        hessian = ca.densify(found.curvature)
+        outputs += [hessian[i, k] for i in range(hessian.size1()) for k in range(i, hessian.size1())]
     constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
-    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying)]
-    outputs = [value, *ca.vertsplit(ca.densify(gradient)), *upper]
+    inputs = [*_list(z), *_list(slope), here, inverse, *(constants[n] for n in varying), *ca.symvar(multiplier)]
     return Program(
         name=name,
         uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
@@ -68,42 +72,50 @@ def point_program(
     )
 
 
-def constraint_program(density: Density, layout: Layout, points: Points, varying: tuple[str, ...]) -> Program:
-    """The constraints g at one strain point, their derivatives, and the Hessian of λ·g.
+def _term(
+    density: Density,
+    layout: Layout,
+    name: str,
+    points: Points | None,
+    at: tuple[Expression, Expression],
+    place: Mapping[str, Any],
+    multiplier: ca.SX,
+    *,
+    second: bool,
+) -> Jet:
+    """A term at (z, its derivative), or at two ends, with its derivatives."""
+    along, here, inverse, t = str(density.lagrangian.interval), place["here"], place["inverse"], place["t"]
+    unknown = ca.vertcat(to_sx(at[0]), to_sx(at[1]))
 
-    Args:
-        density: the density.
-        layout: rows of a node, rotations as quaternions.
-        points: where the constraints stand.
-        varying: names of constants that differ from point to point.
+    def of_point(point: Mapping[str, Any]) -> ca.SX:
+        if name == "inertia_point":
+            return density.value("inertia", point) - density.value("load", point)
+        return density.constraint(point) if name == "constraint_point" else density.value("strain", point)
 
-    Returns: a program on rows (z, z′, here, inverse, varying ..., λ) -> (g, ∂g by rows, upper triangle of λ·∂²g).
-    """
-    z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
-    along = density.lagrangian.interval
-    here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
-    if points.between_ends:
-        ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here)}
-        g = element_constraints(density, points, layout, (normalized(layout, z), normalized(layout, slope)), ends)
+    strained = name != "inertia_point" and strains_only(density, name.removesuffix("_point"))
+    if strained and points is not None and points.screw:
+        middle = {"inverse": inverse, "t": t, along: here + 0.5 / inverse}
+        return screw_jet(density, layout, of_point, at, middle, weights=multiplier, second=second)
+    if name != "inertia_point" and points is not None and points.between_ends:
+        ends = normalized(layout, at[0]), normalized(layout, at[1])
+        where = {"inverse": inverse, "t": t, "left": here, "right": here + 1.0 / inverse}
+        found = element_points(density, points, layout, ends, where)
     else:
-        g = density.constraint(embedded_point(layout, z, slope, str(along)) | {"t": wrap(t), str(along): wrap(here)})
-    multiplier = ca.SX.sym("lambda", g.numel())
-    unknown = ca.vertcat(to_sx(z), to_sx(slope))
-    hessian = ca.densify(ca.jacobian(ca.gradient(ca.dot(multiplier, g), unknown), unknown))
-    size = 2 * layout.rows
-    upper = [hessian[i, k] for i in range(size) for k in range(i, size)]
-    constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
-    inputs = [*ca.vertsplit(unknown), here, inverse, *(constants[n] for n in varying), *ca.vertsplit(multiplier)]
-    derivative = ca.vertsplit(ca.vec(ca.densify(ca.jacobian(g, unknown)).T))
-    outputs = [*ca.vertsplit(ca.densify(g)), *derivative, *upper]
-    return Program(
-        name="constraint_point",
-        uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
-        lanes=tuple((s, i, 0) for i, s in enumerate(inputs)),
-        steps=(),
-        stores=tuple((len(inputs) + i, v) for i, v in enumerate(outputs)),
-        rows=len(inputs) + len(outputs),
-    )
+        suffix = "t" if name == "inertia_point" else along
+        found = [(1.0, embedded_point(layout, *at, suffix) | {"t": t, along: here})]
+    if strained:
+        return strain_jet(density, of_point, found, unknown, weights=multiplier, second=second)
+    terms = [weight * of_point(point) for weight, point in found]
+    return jet(sum(terms[1:], start=terms[0]), unknown, unknown, weights=multiplier, second=second)
+
+
+def _list(value: Expression) -> list[ca.SX]:
+    return ca.vertsplit(to_sx(value))
+
+
+def _entries(matrix: ca.SX) -> list[ca.SX]:
+    """Entries of a matrix, row by row."""
+    return ca.vertsplit(ca.vec(ca.densify(matrix).T))
 
 
 def embedded_point(layout: Layout, z: Expression, slope: Expression, suffix: str) -> dict[str, Any]:

@@ -5,12 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cayley.density import Density
-from cayley.discrete.constraint import constrained_program, constrained_rows
-from cayley.discrete.embedded import constraint_program, point_program
+from cayley.discrete.embedded import POINT_PROGRAMS, point_program
 from cayley.discrete.forced import ForcedWriter
 from cayley.discrete.forcing import force_program
-from cayley.discrete.fused import fused_program
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import placed, plain
 from cayley.discrete.program import Program
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rows import Rows, assign_rows
@@ -31,7 +30,7 @@ class DiscreteEquations:
         layout: rows of a node.
         rows: rows of a block.
         uniforms: names of the uniform inputs, in order.
-        varying: names of inputs that differ from node to node.
+        varying: names of inputs that differ from node to node, and NAME@k of what differs within an element (places).
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 6; position-momentum form: Marsden and West (2001).
     """
@@ -45,21 +44,15 @@ class DiscreteEquations:
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
-        """A program by its name; implicit rules have "inertia_point" and "strain_point", or "fused".
+        """A program by its name; implicit rules have those of POINT_PROGRAMS.
 
         With non-conservative forces they have "force_point" and "node_force_point" too (see discrete.forcing).
         """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
-            if name == "fused":
-                self._derived[name] = fused_program(self.density, self.layout, self.rule.strain, varying)
-            elif name.removesuffix("_held") in ("drift", "violation", "schur", "rate"):
-                self._derived[name] = constrained_program(Writer(self), name)
-            elif name == "constraint_point":
-                self._derived[name] = constraint_program(self.density, self.layout, self.rule.strain, varying)
-            elif "force_point" in name:
+            if "force_point" in name:
                 self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
-            elif name.endswith("_point"):
+            elif name in POINT_PROGRAMS:
                 self._derived[name] = point_program(self.density, self.layout, name, self.rule.strain, varying)
             else:
                 self._derived[name] = (ForcedWriter if self.forced else Writer)(self).write(name)
@@ -74,9 +67,7 @@ class DiscreteEquations:
     def main_program(self) -> str:
         """Name of the program that does most of the work of a step."""
         if not self.rule.implicit:
-            return "drift" if self.density.constraints.numel() else "step"
-        if self.rule.one_stage:
-            return "fused"
+            return "step"
         return "strain_point" if self.density.lagrangian.interval else "inertia_point"
 
     @property
@@ -121,7 +112,8 @@ def derive(
         density: traced Lagrangian.
         rule: quadrature rule.
         rotation: "quaternion" or "matrix".
-        varying: names of uniform inputs and constants that differ from node to node.
+        varying: names of uniform inputs and constants that differ from node to node, and NAME@k of those that differ
+            within an element (see discrete.places).
         account: keep account of the work of time-dependent loads, as is done with forces beside the Lagrangian.
 
     Raises:
@@ -157,14 +149,13 @@ def derive(
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
     candidates = [*UNIFORMS, *(["inverse"] if along else []), *density.names]
-    unknown = sorted(set(varying) - set(candidates))
+    unknown = sorted({plain(name) for name in varying} - set(candidates))
     if unknown:
         raise ValueError(f"varying names {unknown[0]!r}; inputs are {', '.join(candidates)}")
     uniforms = tuple(name for name in candidates if name not in set(varying))
-    others = [name for name in candidates if name not in uniforms]
+    by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
     forced = not rule.implicit and (density.force is not None or account)
-    rows = assign_rows(layout, others, rule.cell, interval=along is not None, forced=forced)
-    rows = constrained_rows(rows, layout, density.constraints.numel())
+    rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 
 

@@ -57,8 +57,19 @@ class ForcedWriter(Writer):
     def _step(self, *, held: bool) -> Program:
         """One step of all nodes, and the velocities M⁻¹P after it."""
         steps, kicks, stores = self._kicks()
-        given, pushed = self._each("given", self.layout.dofs), self._each("push", self.layout.dofs)
+        given = self._each("given", self.layout.dofs)
         steps.append(Assign(*_pairs(given, [m + k for m, k in zip(self.momenta, kicks, strict=True)])))
+        return self._move("step", steps, given, stores, held=held)
+
+    def _drift(self, *, held: bool) -> Program:
+        """The same from momenta that forces have been added to."""
+        return self._move("drift", [], self.momenta, [], held=held)
+
+    def _move(
+        self, name: str, steps: list[Step], given: Columns, stores: list[tuple[int, ca.SX]], *, held: bool
+    ) -> Program:
+        """From momenta after the kick to the next values, momenta and velocities."""
+        pushed = self._each("push", self.layout.dofs)
         scaled = [given[k] * self._weights(k)[1] for k in self.cell]
         steps.append(Assign(*_pairs(pushed, scaled)))
         solutions, ends, momenta = self._moves(given, pushed, held=held)
@@ -67,8 +78,7 @@ class ForcedWriter(Writer):
         steps.append(Assign(*_pairs([*after, *left], [*ends, *momenta])))
         solved, found = self._velocities(after, left, "t_next", "v_next")
         stores += [*self._at(self.rows.values, after), *self._at(self.rows.momenta, left), *self._stores("rate", found)]
-        name = "step_held" if held else "step"
-        return self._program(name, [*steps, *solved], stores, self._reads)
+        return self._program(name + "_held" * held, [*steps, *solved], stores, self._reads)
 
     def _kick(self) -> Program:
         """Add h × forces to the momenta."""

@@ -10,6 +10,7 @@ import numpy as np
 from cayley.density import Density
 from cayley.density.expression import Expression, cross, dot, from_sx, to_sx, wrap, zeros
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import constants_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ def corner_inertia(
         layout: rows of a node.
         node: its values at j.
         unknown: increments x⁺ − x and Cayley vectors f, shape (dofs,).
-        place: "h", "t", "t_next" and the coordinate "here".
+        place: "h", "t", "t_next", the coordinate "here", and constants that the node has of its own ("c.mass").
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 8; design of the unknown: section 5.1.
     """
@@ -68,7 +69,7 @@ def corner_inertia(
         corners = corners[:1]  # both corners give the same: evaluate once
     gradients = []
     for value, time in corners:
-        point: dict[str, Any] = dict(velocity) | {"t": time, str(along): place.get("here", 0.0)}
+        point: dict[str, Any] = velocity | {"t": time, str(along): place.get("here", 0.0)} | constants_of(place)
         for name in layout.fields:
             rows = layout.rows_of(name)
             if name in layout.rotations:
@@ -110,7 +111,7 @@ def node_load(density: Density, layout: Layout, node: Expression, place: Mapping
 
 def node_point(layout: Layout, node: Expression, along: str | None, place: Mapping[str, Any]) -> dict[str, Any]:
     """Values of the slots at a node at rest."""
-    point: dict[str, Any] = {"t": place["t"], str(along): place.get("here", 0.0)}
+    point: dict[str, Any] = {"t": place["t"], str(along): place.get("here", 0.0)} | constants_of(place)
     for name in layout.fields:
         rows = layout.rows_of(name)
         if name in layout.rotations:

@@ -34,7 +34,8 @@ def polynomial_forces(
         points: Gauss points, as many as the degree m.
         layout: rows of a node.
         nodes: values at the nodes, m + 1 of shape (layout.rows,).
-        place: "inverse" 1/ds, "t", and the coordinate "left" of the first node.
+        place: "inverse" 1/ds, "t", the coordinate "left" of the first node, and "at points", if given the constants
+            that each point has of its own.
 
     Returns: forces on the nodes, m + 1 of shape (layout.dofs,).
 
@@ -45,8 +46,10 @@ def polynomial_forces(
     values, slopes = lagrange(lobatto(len(nodes) - 1), points.at)
     controls = {name: _controls(layout, name, nodes) for name in layout.fields}
     pulled = {name: [np.zeros(len(c[0]))] * len(nodes) for name, c in controls.items()}
-    for weight, at, phi, slope in zip(points.weights, points.at, values, slopes, strict=True):
-        point: dict[str, Any] = {"t": place["t"], along: place["left"] + at / place["inverse"]}
+    own_constants = place.get("at points", [{}] * len(points.at))
+    table = zip(points.weights, points.at, values, slopes, own_constants, strict=True)
+    for weight, at, phi, slope, constants in table:
+        point: dict[str, Any] = {"t": place["t"], along: place["left"] + at / place["inverse"], **constants}
         turns: dict[str, _Turn] = {}
         for name, own in controls.items():
             z, dz = _polynomial(own, phi), _polynomial(own, slope * place["inverse"], derivative=True)

@@ -22,7 +22,6 @@ class Rows:
             node of the element and slopes.
         count: number of rows.
         cell: nodes of a lane: those of the element to its right without the end, m for degree m.
-        constraint: what the programs of constrained densities read and write (see discrete.constraint).
         forced: what those of densities with non-conservative forces do (see discrete.forced): "account", work and
             loss of the nodes of a lane since the start; "pushed", time-dependent loads; "still", forces that are not in
             the Lagrangian and do not depend on velocities; "force", all that do not; "rate", M⁻¹P; "predicted", v*;
@@ -37,7 +36,6 @@ class Rows:
     observed: dict[str, slice]
     count: int
     cell: int = 1
-    constraint: dict[str, slice] = field(default_factory=dict)
     forced: dict[str, slice] = field(default_factory=dict)
 
     @property

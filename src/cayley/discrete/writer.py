@@ -9,6 +9,7 @@ import numpy as np
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap
 from cayley.discrete.element import element_energy, element_forces, element_points
 from cayley.discrete.node import Inertia, corner_inertia, node_load, node_point
+from cayley.discrete.places import constants_at
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.program import Assign, Carry, Program, Step
 from cayley.discrete.rules import MIDDLE, lobatto, lobatto_weights
@@ -47,6 +48,8 @@ class Writer:
         """Write one program."""
         if name in ("step", "step_held"):
             return self._step(held=name == "step_held")
+        if name in ("drift", "drift_held"):
+            return self._drift(held=name == "drift_held")
         return self._kick() if name == "kick" else self._observe()
 
     def blocks(self) -> tuple[Block, ...]:
@@ -59,13 +62,15 @@ class Writer:
         return [symbols(f"{name}{k or ''}", size) for k in self.cell]
 
     def _place(self, k: int = 0) -> dict[str, Any]:
-        """Where and when node k of a cell is."""
+        """Where and when node k of a cell is, and its own constants."""
         place = {name: wrap(self.symbol[name]) for name in (*UNIFORMS, "inverse", "here") if name in self.symbol}
         if k:
             place["here"] = place["here"] + float(lobatto(len(self.cell))[k]) * wrap(self.symbol["length"])
         if self.interval:
             place |= {"left": place["here"], "right": wrap(self.symbol["right"])}
-        return place
+            points = range(len(self.rule.strain.at))
+            place["at points"] = [constants_at(self.symbol, point) for point in points]
+        return place | constants_at(self.symbol, k)
 
     def _weights(self, k: int) -> tuple[Expression, Expression]:
         """Weight of node k of a cell and its inverse: inside an element its Lobatto share of the length."""
@@ -155,6 +160,17 @@ class Writer:
         stores += list(zip(_range(self.rows.momenta), _all(momenta), strict=True))
         return self._program("step_held" if held else "step", steps, stores)
 
+    def _drift(self, *, held: bool) -> Program:
+        """One step of all nodes from momenta that forces have been added to."""
+        given, pushed = self.momenta, self._each("pushed", self.layout.dofs)
+        scaled = [given[k] * self._weights(k)[1] for k in self.cell]
+        steps: list[Step] = [Assign(tuple(_all(pushed)), tuple(_all(scaled)))]
+        solutions, after, momenta = self._moves(given, pushed, held=held)
+        steps += side_by_side(solutions)
+        stores = list(zip(_range(self.rows.values), _all(after), strict=True))
+        stores += list(zip(_range(self.rows.momenta), _all(momenta), strict=True))
+        return self._program("drift_held" if held else "drift", steps, stores)
+
     def _moves(
         self, given: list[Expression], pushed: list[Expression], *, held: bool
     ) -> tuple[list[list[Step]], list[Expression], list[Expression]]:
@@ -224,6 +240,8 @@ class Writer:
         """Strain energy of an element between two nodes; its forces on them and its slopes."""
         place, layout = self._place(), self.layout
         strain_at = self.rule.strain if self.rule.degree == 1 else MIDDLE  # results.interpolated does higher degrees
+        if "at points" in place:
+            place["at points"] = place["at points"][: len(strain_at.at)]
         ends, length = (self.nodes[0], self.next), wrap(self.symbol["length"])
         left, right = element_forces(self.density, strain_at, layout, ends, place)
         strain = wrap(element_energy(self.density, strain_at, layout, ends, place)) * length

@@ -1,9 +1,26 @@
-"""What a structure is made of: materials, sections, rods, supports and loads (NumPy only, SI units throughout)."""
+"""What a structure is made of: materials, sections, rods, bodies, what connects and moves them (NumPy, SI units)."""
 
-from cayley.model import loads, supports
+from cayley.model import joints, loads, springs, supports
+from cayley.model.body import Body, PointMass
 from cayley.model.material import Material
 from cayley.model.model import Model
-from cayley.model.rod import Port, Rod
+from cayley.model.part import Part
+from cayley.model.port import Port, ground
+from cayley.model.rod import Rod
 from cayley.model.section import Section
 
-__all__ = ["Material", "Model", "Port", "Rod", "Section", "loads", "supports"]
+__all__ = [
+    "Body",
+    "Material",
+    "Model",
+    "Part",
+    "PointMass",
+    "Port",
+    "Rod",
+    "Section",
+    "ground",
+    "joints",
+    "loads",
+    "springs",
+    "supports",
+]

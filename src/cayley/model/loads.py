@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cayley.model import validate
-from cayley.model.rod import Port, Rod
+from cayley.model.part import Part
+from cayley.model.port import Port
+from cayley.model.rod import Rod
 from cayley.model.rod_loads import RodLoad
 from cayley.model.spread import (
     buoyancy,
@@ -91,8 +93,8 @@ class _Timed(ABC):
 
     @property
     @abstractmethod
-    def part(self) -> Rod:
-        """The rod it acts on."""
+    def part(self) -> Part:
+        """The part it acts on."""
 
     @property
     @abstractmethod
@@ -105,7 +107,7 @@ class _Timed(ABC):
 
     def __str__(self) -> str:
         """Kind and place, in one line."""
-        return self.called(self.part.name or "rod")
+        return self.called(self.part.name or self.part.noun)
 
     def at(self, t: float) -> Array:
         """The load at time t [s] in its frame, shape (3,); zero outside start <= t < until.
@@ -182,13 +184,13 @@ class PointLoad(_Timed):
         """Check all values."""
         validate.option("PointLoad", "kind", self.kind, _KINDS)
         if not isinstance(self.port, Port):
-            right = "a node of a rod, such as rod.start, rod.end or rod.node(k)"
+            right = "a node of a rod, such as rod.start, rod.end or rod.node(k), or body.centre"
             raise TypeError(validate.wrong(self.kind, "port", self.port, right))
         self._settle()
 
     @property
-    def part(self) -> Rod:
-        """The rod it acts on."""
+    def part(self) -> Part:
+        """The part it acts on."""
         return self.port.part
 
     @property

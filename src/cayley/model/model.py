@@ -4,25 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
-from cayley.model.loads import Gravity, Load, PointLoad
-from cayley.model.rod import Port, Rod
+from cayley.model import check
+from cayley.model.body import Body, PointMass
+from cayley.model.joints import Joint
+from cayley.model.loads import Gravity, LineLoad, Load, PointLoad, RodLoad
+from cayley.model.part import Part
+from cayley.model.port import Port
+from cayley.model.rod import Rod
+from cayley.model.springs import Spring
 from cayley.model.supports import Support
 from cayley.model.validate import Mask
-
-_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True, init=False, repr=False)
 class Model:
-    """Parts with their supports and loads; nothing in it changes, `replace` makes another one.
+    """Parts with what holds, connects and moves them; nothing in it changes, `replace` makes another one.
 
     Attributes:
-        parts: the rods, in the order given.
-        supports: what is held; several at one node add up.
+        parts: rods, bodies and point masses, in the order given.
+        supports: components that are held; several at one node add up.
+        guides: guides and drives given among the supports; they are joints to the ground.
+        joints: between parts, or parts and the ground.
+        springs: springs and dampers.
         loads: what acts.
-        names: of the parts; a rod without a name is called rod, rod2, ...
+        names: of the parts; a rod without a name is called rod, rod2, ..., a body body, body2, ...
 
     Example:
         >>> from cayley.model import Material, Rod, Section, supports
@@ -36,89 +43,163 @@ class Model:
             clamp at rod.start
     """
 
-    parts: tuple[Rod, ...]
+    parts: tuple[Part, ...]
     supports: tuple[Support, ...]
+    guides: tuple[Joint, ...]
+    joints: tuple[Joint, ...]
+    springs: tuple[Spring, ...]
     loads: tuple[Load, ...]
     names: tuple[str, ...]
 
-    def __init__(self, *parts: Rod, supports: Sequence[Support] = (), loads: Sequence[Load] = ()) -> None:
+    def __init__(
+        self,
+        *parts: Part,
+        supports: Sequence[Support | Joint] = (),
+        joints: Sequence[Joint] = (),
+        springs: Sequence[Spring] = (),
+        loads: Sequence[Load] = (),
+    ) -> None:
         """Put the parts together and check that all fits.
 
         Args:
-            *parts: rods, at least one, with different names.
-            supports: made by `supports.pin`, `supports.clamp`, `supports.hold`.
+            *parts: rods, bodies and point masses, at least one, with different names.
+            supports: made by `supports.pin`, `supports.clamp`, `supports.hold`, `supports.slide`, ...
+            joints: made by `joints.weld`, `joints.ball`, `joints.hinge`, ...
+            springs: made by `springs.linear`, `springs.rotational`, `springs.bushing`.
             loads: made by `loads.gravity`, `loads.force`, ...
 
         Raises:
-            TypeError: something is not a part, a support or a load.
-            ValueError: no parts; one twice; two of one name; a support or a load on a rod that is not among them; a
-                load that cannot move anything because all it acts on is held.
+            TypeError: something is not a part, a support, a joint, a spring or a load.
+            ValueError: no parts; one twice; two of one name; a support, a joint or a load on a part that is not among
+                them; a joint whose sides do not meet, or one that says the same as another; a load that cannot move
+                anything because all it acts on is held.
         """
         for part in parts:
-            if not isinstance(part, Rod):
-                hint = "; write Model(*rods)" if isinstance(part, (list, tuple)) else ""
-                raise TypeError(f"Model: a part is a {type(part).__name__}, but must be a Rod{hint}")
+            if not isinstance(part, Part):
+                hint = "; write Model(*parts)" if isinstance(part, (list, tuple)) else ""
+                raise TypeError(f"Model: a part is a {type(part).__name__}, but must be a Rod or a Body{hint}")
         object.__setattr__(self, "parts", parts)
-        object.__setattr__(self, "names", _names(parts))
-        object.__setattr__(self, "supports", _members("supports", supports, Support, "supports.pin(rod.start)"))
-        object.__setattr__(self, "loads", _members("loads", loads, Load, "loads.gravity((0, 0, -9.81))"))
-        for support in self.supports:
-            self._require(support.port.part, f"{support.kind} at {support.port}")
+        object.__setattr__(self, "names", check.part_names(parts))
+        wanted: dict[str, tuple[Any, Any, str]] = {
+            "supports": (supports, (Support, Joint), "supports.pin(rod.start)"),
+            "joints": (joints, (Joint,), "joints.weld(mast.end, arm.start)"),
+            "springs": (springs, (Spring,), "springs.linear(rod.end, stiffness=10.0)"),
+            "loads": (loads, (Gravity, PointLoad, LineLoad, RodLoad), "loads.gravity((0, 0, -9.81))"),
+        }
+        for name, (given, kind, example) in wanted.items():
+            object.__setattr__(self, name, check.members(name, given, kind, example))
+        held: Any = self.supports
+        object.__setattr__(self, "supports", tuple(support for support in held if isinstance(support, Support)))
+        object.__setattr__(self, "guides", tuple(support for support in held if isinstance(support, Joint)))
+        self._check_membership()
+        connections = [(self.described(joint, short=True), joint) for joint in self.connections]
+        for ties in (self.connections, self.springs):
+            check.joint_names(ties)
+        check.refuse_gaps(parts, connections)
+        check.refuse_same(connections)
         for load in self.loads:
-            if not isinstance(load, Gravity):
-                self._require(load.part, str(load))
             if isinstance(load, PointLoad):
                 self._refuse_idle(load)
 
     def __repr__(self) -> str:
         """The counts, in one line."""
-        return f"Model({', '.join(self.names)}; supports={len(self.supports)}, loads={len(self.loads)})"
+        held = (*self.supports, *self.guides)
+        counts = {"supports": held, "joints": self.joints, "springs": self.springs, "loads": self.loads}
+        told = [f"{name}={len(found)}" for name, found in counts.items() if found or name in ("supports", "loads")]
+        return f"Model({', '.join(self.names)}; {', '.join(told)})"
 
     def __str__(self) -> str:
-        """A tree of parts, supports and loads."""
-        return "\n".join(_tree(self))
+        """A tree of parts, supports, joints, springs and loads, with what looks odd at its end."""
+        from cayley.model.tree import tree
+
+        return "\n".join(tree(self))
 
     @property
     def rods(self) -> tuple[Rod, ...]:
         """The rods, in the order given."""
-        return self.parts
+        return tuple(part for part in self.parts if isinstance(part, Rod))
+
+    @property
+    def bodies(self) -> tuple[Body | PointMass, ...]:
+        """Rigid bodies and point masses, in the order given."""
+        return tuple(part for part in self.parts if isinstance(part, (Body, PointMass)))
 
     @property
     def mass(self) -> float:
         """The mass of all parts [kg]."""
-        return sum(rod.mass for rod in self.rods)
+        return sum(part.mass for part in self.parts)
 
-    def name_of(self, rod: Rod) -> str:
-        """The name under which listings and results have a rod.
+    @property
+    def ties(self) -> tuple[Joint | Spring, ...]:
+        """All joints and springs."""
+        return (*self.connections, *self.springs)
+
+    @property
+    def connections(self) -> tuple[Joint, ...]:
+        """All joints, guides first."""
+        return (*self.guides, *self.joints)
+
+    @property
+    def connection_names(self) -> tuple[str, ...]:
+        """Names of all joints, in the order of `connections`."""
+        return check.joint_names(self.connections)
+
+    @property
+    def spring_names(self) -> tuple[str, ...]:
+        """Names of the springs, in the order given."""
+        return check.joint_names(self.springs)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is legal but looks odd, a line each: parts that nothing holds and that are connected to nothing."""
+        pairs = [tuple(port.part for port in tie.ports) for tie in self.ties]
+        held = [support.port.part for support in self.supports]
+        free = [self.names[k] for k in check.loose(self.parts, held, pairs)]
+        return tuple(f"{name} is neither held nor connected to another part; it flies free" for name in free)
+
+    def name_of(self, part: Part) -> str:
+        """The name under which listings and results have a part.
 
         Raises:
-            ValueError: the rod is not in the model.
+            ValueError: the part is not in the model.
         """
-        for part, name in zip(self.parts, self.names, strict=True):
-            if part is rod:
+        for other, name in zip(self.parts, self.names, strict=True):
+            if other is part:
                 return name
-        raise ValueError(f"Model: {rod!r} is not in the model; its parts are {', '.join(self.names)}")
+        raise ValueError(f"Model: {part!r} is not in the model; its parts are {', '.join(self.names)}")
+
+    def described(self, tie: Joint | Spring, *, short: bool = False) -> str:
+        """A joint or spring in one line, its ports called by the names of their parts; short: kind and ports only."""
+        names = [port.called(self.name_of(port.part)) for port in tie.ports]
+        sides = (names[0], names[1] if len(names) > 1 else str(tie.second))
+        return tie.called(*sides) if short else tie.described(*sides)
 
     def held(self, port: Port) -> tuple[Mask, Mask]:
         """Which components of position and of rotation are held at a node, by all supports together.
 
         Returns: for position, along x, y, z in space; for rotation, about the body axes e1, e2, e3.
         """
-        here = [support for support in self.supports if support.port == port]
+        here = [
+            support for support in self.supports if (support.port.part, support.port.node) == (port.part, port.node)
+        ]
         return _union(support.held_position for support in here), _union(support.held_rotation for support in here)
 
     def replace(
         self,
         *,
-        parts: Sequence[Rod] | None = None,
-        supports: Sequence[Support] | None = None,
+        parts: Sequence[Part] | None = None,
+        supports: Sequence[Support | Joint] | None = None,
+        joints: Sequence[Joint] | None = None,
+        springs: Sequence[Spring] | None = None,
         loads: Sequence[Load] | None = None,
     ) -> Model:
         """Another model in which what is given replaces what is here.
 
         Args:
-            parts: instead of its parts; supports and loads on parts that are gone must be replaced with them.
+            parts: instead of its parts; what is on parts that are gone must be replaced with them.
             supports: instead of its supports.
+            joints: instead of its joints.
+            springs: instead of its springs.
             loads: instead of its loads.
 
         Raises:
@@ -127,14 +208,32 @@ class Model:
         """
         return Model(
             *(self.parts if parts is None else parts),
-            supports=self.supports if supports is None else supports,
+            supports=(*self.supports, *self.guides) if supports is None else supports,
+            joints=self.joints if joints is None else joints,
+            springs=self.springs if springs is None else springs,
             loads=self.loads if loads is None else loads,
         )
 
-    def _require(self, rod: Rod, what: str) -> None:
-        if not any(part is rod for part in self.parts):
+    def _check_membership(self) -> None:
+        """Refuse what belongs to a part that is not in the model."""
+        for support in self.supports:
+            self._require(support.port.part, f"{support.kind} at {support.port}")
+        for guide in self.guides:
+            if not guide.grounded:
+                raise ValueError(f"Model: {guide} is no support, for it connects two parts; give it among the joints")
+        for tie in self.ties:
+            for port in tie.ports:
+                self._require(port.part, str(tie))
+        for load in self.loads:
+            if not isinstance(load, Gravity):
+                self._require(load.part, str(load))
+
+    def _require(self, part: Part, what: str) -> None:
+        if not any(other is part for other in self.parts):
             has = ", ".join(self.names)
-            raise ValueError(f"Model: {what} belongs to a rod that is not in the model; add it (the model has {has})")
+            raise ValueError(
+                f"Model: {what} belongs to a {part.noun} that is not in the model; add it (the model has {has})"
+            )
 
     def _refuse_idle(self, load: PointLoad) -> None:
         """Refuse a load that only pulls at a support: all components it can act on are held.
@@ -143,6 +242,8 @@ class Model:
         constant moment in the body can be judged component by component; others only if all three are held.
         """
         position, rotation = self.held(load.port)
+        if not load.port.at_node and load.kind == "force" and not all(rotation):
+            return  # it turns the node, whatever is held of its position
         if load.kind == "force":
             quantity, held, frame = "position", position, "space"
         else:
@@ -158,59 +259,8 @@ class Model:
             )
 
 
-def _names(parts: tuple[Rod, ...]) -> tuple[str, ...]:
-    """A name for each part: its own, or the first of rod, rod2, ... that is free."""
-    if not parts:
-        raise ValueError("Model: there are no parts; give at least one Rod")
-    if len({id(part) for part in parts}) < len(parts):
-        raise ValueError("Model: the same rod is given twice; give each part once")
-    taken: set[str] = set()
-    for name in (part.name for part in parts if part.name):
-        if name in taken:
-            raise ValueError(f"Model: two parts have the name {name!r}; give each a name of its own")
-        taken.add(name)
-    free = (name for k in range(1, 2 * len(parts) + 1) if (name := f"rod{k}" if k > 1 else "rod") not in taken)
-    return tuple(part.name or next(free) for part in parts)
-
-
-def _members(name: str, values: Any, kind: Any, example: str) -> tuple[Any, ...]:
-    """A tuple of supports or loads."""
-    if isinstance(values, kind) or not isinstance(values, Iterable):
-        raise TypeError(f"Model: {name} is a {type(values).__name__}, but must be a list, such as {name}=[{example}]")
-    members = tuple(values)
-    for member in members:
-        if not isinstance(member, kind):
-            raise TypeError(f"Model: {name} has a {type(member).__name__} in it, but wants such as {example}")
-    return members
-
-
 def _union(masks: Iterable[Mask]) -> Mask:
     x = y = z = False
     for mask in masks:
         x, y, z = x or mask[0], y or mask[1], z or mask[2]
     return (x, y, z)
-
-
-def _tree(model: Model) -> list[str]:
-    elements = sum(rod.elements for rod in model.rods)
-    nodes = elements + len(model.rods)
-    rods = _counted(len(model.rods), "rod")
-    lines = [f"Model: {rods}, {_counted(elements, 'element')}, {nodes} nodes, {model.mass:g} kg", "  parts"]
-    for rod in model.rods:
-        size = f"{rod.length:g} m, {_counted(rod.elements, 'element')}"
-        damped = "" if rod.damping is None else f", {rod.damping}"
-        lines.append(f"    {model.name_of(rod)}: {size}, {rod.section.name}, {rod.mass:g} kg{damped}")
-    if model.supports:
-        lines.append("  supports")
-    for support in model.supports:
-        lines.append(f"    {support.kind} at {support.port.called(model.name_of(support.port.part))}")
-    if model.loads:
-        lines.append("  loads")
-    for load in model.loads:
-        text = str(load) if isinstance(load, Gravity) else load.described(model.name_of(load.part))
-        lines.append(f"    {text}")
-    return lines
-
-
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

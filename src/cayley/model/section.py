@@ -20,7 +20,7 @@ _INERTIA_ROWS = "about e1, e2, e3 [kg m]"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Section:
-    """A cross-section of a rod, referred to its centroid: e1 and e2 lie in it, e3 is the rod axis.
+    """A cross-section of a rod: e1 and e2 lie in it, e3 is the rod axis, through the centroid of the shapes made here.
 
     Usually made by `rectangle`, `circle`, `tube` or `given`. Two sections are equal only if they are the same object.
 
@@ -28,7 +28,8 @@ class Section:
         stiffness: C [N, N m, N m^2], shape (6, 6), symmetric and positive definite, read-only; it maps
             (Γ1, Γ2, Γ3, Ω1, Ω2, Ω3) to (shear force 1 and 2, axial force, bending moment 1 and 2, twisting moment).
         mass_per_length: m [kg/m].
-        inertia: J, rotary inertia per length in the body frame [kg m], shape (3, 3), read-only.
+        inertia: J, rotary inertia per length about the axis in the body frame [kg m], shape (3, 3), read-only.
+        mass_center: where along e1 and e2 the mass center lies, from the axis [m].
         outline: outer contour in the (e1, e2) plane for drawing [m], shape (k, 2), counter-clockwise, the first
             point not repeated, read-only.
         name: a few words that name it in listings.
@@ -38,6 +39,7 @@ class Section:
     mass_per_length: float
     inertia: Array
     outline: Array
+    mass_center: tuple[float, float] = (0.0, 0.0)
     name: str = "given"
 
     def __post_init__(self) -> None:
@@ -50,10 +52,22 @@ class Section:
         object.__setattr__(self, "mass_per_length", mass)
         object.__setattr__(self, "inertia", inertia)
         object.__setattr__(self, "outline", validate.frozen(outline))
+        center = validate.array("Section", "mass_center", self.mass_center, (2,), "2 finite numbers (along e1, e2) [m]")
+        object.__setattr__(self, "mass_center", (float(center[0]), float(center[1])))
+        if center.any():
+            about = inertia - mass * (center @ center * np.eye(3) - np.outer([*center, 0.0], [*center, 0.0]))
+            if np.linalg.eigvalsh(about)[0] <= 0.0:
+                right = f"greater than that of the mass at mass_center = {self.mass_center!r} (it is about the axis)"
+                raise ValueError(validate.wrong("Section", "inertia", inertia.tolist(), right))
 
     def __repr__(self) -> str:
         """The name and the mass, in one line."""
         return f"Section({self.name!r}, mass_per_length={self.mass_per_length:g})"
+
+    @property
+    def first_moment(self) -> Array:
+        """S = m (c1, c2, 0), the mass times the place of its center [kg], shape (3,)."""
+        return self.mass_per_length * np.array([*self.mass_center, 0.0])
 
     @classmethod
     def rectangle(

@@ -1,15 +1,17 @@
-"""Supports: components of a node's motion that are held for good."""
+"""Supports: components of a node's motion that are held for good, guides along any axis, and prescribed motion."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cayley.model import validate
-from cayley.model.rod import Port
+from cayley.model.joints import Joint
+from cayley.model.port import Port, ground
 from cayley.model.validate import AXES, Mask
 
-__all__ = ["Support", "clamp", "hold", "pin"]
+__all__ = ["Support", "clamp", "drive", "guide", "hold", "pin", "roll", "slide", "turn"]
 
 _ALL: Mask = (True, True, True)
 _NONE: Mask = (False, False, False)
@@ -36,11 +38,16 @@ class Support:
     def __post_init__(self) -> None:
         """Check the port and the components."""
         if not isinstance(self.port, Port):
-            right = "a node of a rod, such as rod.start, rod.end or rod.node(k)"
+            right = "a node of a rod, such as rod.start, rod.end or rod.node(k), or body.centre"
             raise TypeError(validate.wrong("Support", "port", self.port, right))
         owner = f"support at {self.port}"
         object.__setattr__(self, "held_position", validate.components(owner, "position", self.held_position))
         object.__setattr__(self, "held_rotation", validate.components(owner, "rotation", self.held_rotation))
+        if not self.port.at_node and self.held_position + self.held_rotation != _ALL + _ALL:
+            raise ValueError(
+                f"{owner}: a place off the node can be clamped, but not held by components; hold the node, or use "
+                "supports.pin, guide, roll, slide or turn"
+            )
         if not any(self.held_position + self.held_rotation):
             raise ValueError(f'{owner}: nothing is held; name components, such as position="xyz" or rotation="xy"')
 
@@ -61,15 +68,17 @@ class Support:
         )
 
 
-def pin(port: Port) -> Support:
-    """Hold the position of a node; it may still turn.
+def pin(port: Port) -> Support | Joint:
+    """Hold the position of a node or port; it may still turn.
 
     Args:
-        port: the node, such as rod.start.
+        port: such as rod.start, or body.port("eye"), which then is a ball joint to the ground.
 
     Raises:
         TypeError: port is not a port.
     """
+    if isinstance(port, Port) and not port.at_node:
+        return Joint(kind="ball", first=port, second=ground)
     return Support(port, _ALL, _NONE)
 
 
@@ -116,6 +125,62 @@ def hold(port: Port, *, position: str | Sequence[bool] = "", rotation: str | Seq
     held_position = validate.components("hold", "position", position)
     held_rotation = validate.components("hold", "rotation", rotation)
     return Support(port, held_position, held_rotation)
+
+
+def slide(port: Port, axis: Any, *, displacement: Any = None, name: str = "") -> Joint:
+    """Let a port move along an axis in space, without turning: a slider to the ground.
+
+    Args:
+        port: such as rod.start.
+        axis: to move along, in space.
+        displacement: along the axis [m], if it is prescribed: a function of the time [s], a Table, or (times, values);
+            zero at the start.
+        name: in listings and results.
+
+    Raises:
+        TypeError: a value has the wrong type.
+        ValueError: the axis is zero, or the displacement not zero at the start.
+    """
+    return Joint(kind="slider", first=port, second=ground, axis=axis, displacement=displacement, name=name)
+
+
+def turn(port: Port, axis: Any, *, angle: Any = None, name: str = "") -> Joint:
+    """Let a port turn about an axis in space, and do nothing else: a hinge to the ground.
+
+    Arguments and errors as for `slide`, with an angle [rad] instead of a displacement.
+    """
+    return Joint(kind="hinge", first=port, second=ground, axis=axis, angle=angle, name=name)
+
+
+def guide(port: Port, axis: Any, *, name: str = "") -> Joint:
+    """Keep a port on a line in space; it may turn. Arguments and errors as for `slide`."""
+    return Joint(kind="guide", first=port, second=ground, axis=axis, name=name)
+
+
+def roll(port: Port, normal: Any, *, name: str = "") -> Joint:
+    """Keep a port in a plane in space; it may turn. The normal is that of the plane; errors as for `slide`."""
+    return Joint(kind="roller", first=port, second=ground, axis=normal, name=name)
+
+
+def drive(port: Port, *, position: Any = None, rotation: Any = None, name: str = "") -> Joint:
+    """Move a port as prescribed; what is not given stays free.
+
+    x(t) = x(0) + position(t),   p(t) = exp(rotation(t)) p(0)
+
+    Args:
+        port: such as rod.start.
+        position: displacement in space [m], (3,): a function of the time [s], a Table, or (times, values); zero at the
+            start.
+        rotation: rotation vector in space [rad], (3,), likewise.
+        name: in listings and results.
+
+    Raises:
+        TypeError: a value has the wrong type.
+        ValueError: nothing is given, or it is not zero at the start.
+    """
+    if position is None and rotation is None:
+        raise ValueError(f"drive of {port}: nothing is prescribed; give position or rotation, or hold the node")
+    return Joint(kind="drive", first=port, second=ground, position=position, rotation=rotation, name=name)
 
 
 def letters(mask: Mask) -> str:

@@ -107,7 +107,7 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
         linear.append(gravity[i] == 0.0 and not any(support.held_position[i] for support in model.supports))
         stays = gravity[j] == 0.0 and gravity[k] == 0.0
         for support in model.supports:
-            place = support.port.part.positions[support.port.node]
+            place = support.port.part.place(support.port.node)[0]
             # force F at x has the moment x_j F_k - x_k F_j about e_i
             lever = (support.held_position[k] and abs(place[j]) > 1e-12) or (
                 support.held_position[j] and abs(place[k]) > 1e-12

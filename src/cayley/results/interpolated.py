@@ -8,6 +8,7 @@ import numpy as np
 from cayley.density.expression import symbols, to_sx
 from cayley.discrete.embedded import embedded_point
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import name_at
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rules import lagrange, lobatto
 from cayley.results.frames import Frames
@@ -58,7 +59,7 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
             )
             slopes[:, first : first + degree] = evaluate(*inputs, first, length * middles, frames.times)[2]
         start += count
-    return energy, found / shares[None, :, None], slopes
+    return energy, found / np.maximum(shares, 1.0)[None, :, None], slopes  # nodes without an element have no share
 
 
 def _as_quaternions(layout: Layout, values: np.ndarray) -> np.ndarray:
@@ -91,10 +92,12 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
         values: np.ndarray, slopes: np.ndarray, node: int, at: np.ndarray, times: np.ndarray
     ) -> list[np.ndarray]:
         frames, points, _ = values.shape
-        constants = [system.named[n][node] if n in system.named else known[n] for n in density.names]
-        rest = np.broadcast_to(
-            [system.named["here"][node], 0.0, *constants], (frames, points, 2 + len(constants))
-        ).copy()
+        rest = np.zeros((frames, points, 2 + len(density.names)))
+        rest[:, :, 0] = system.named["here"][node]
+        for k, name in enumerate(density.names):
+            plain = system.named[name][node] if name in system.named else known[name]
+            own = [system.named.get(name_at(name, g)) for g in range(points)]
+            rest[:, :, 2 + k] = [plain if values is None else values[node] for values in own]
         rest[:, :, 0] += at
         rest[:, :, 1] = times[:, None]
         columns = np.concatenate([values, slopes, rest], axis=2).reshape(frames * points, -1)

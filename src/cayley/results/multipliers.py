@@ -1,7 +1,5 @@
 """Forces of constraints at saved frames: the multipliers of the equations of motion there."""
 
-from dataclasses import replace
-
 import casadi as ca
 import numpy as np
 
@@ -9,6 +7,7 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.constraint import element_constraints
 from cayley.discrete.node import node_point, tangent
 from cayley.results.frames import Frames
+from cayley.steppers.saddle import reactions
 from cayley.system.system import System
 
 
@@ -30,16 +29,14 @@ def constraint_forces(
 
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
-    from cayley.steppers.constrained_run import pulls
-
     function = _rates(system)
     left, right = np.zeros_like(forces), np.zeros_like(forces)
+    elements = np.flatnonzero(system.named["length"])
     for k, time in enumerate(frames.times):
         turning, bias = function(_inputs(system, frames.values[k], velocity[k], float(time)))
-        turning, bias = np.asarray(turning).T.copy(), np.asarray(bias).T
-        turning[system.named["length"] == 0.0] = 0.0
-        free = np.where(system.free, forces[k] - bias, 0.0)
-        left[k], right[k] = pulls(system, replace(frames.state(k), momenta=free), turning)
+        turning, bias = np.asarray(turning).T, np.asarray(bias).T
+        found = reactions(system, frames.state(k), forces[k] - bias, [-turning[elements]]).forces[0].sum(axis=1)
+        left[k, elements], right[k, elements] = found[:, 0], found[:, 1]
     return left, right
 
 

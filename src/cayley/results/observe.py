@@ -8,6 +8,7 @@ from cayley.results.frames import Frames
 from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
+from cayley.results.springs import spring_energy
 from cayley.system.system import System, by_node, pack
 
 
@@ -18,7 +19,7 @@ class Observations:
     Args:
         velocity: ẋ and ω by the Legendre transform of the momenta, shape (m, nodes, dofs).
         kinetic: kinetic energy [J], shape (m,).
-        strain: strain energy [J], shape (m,).
+        strain: strain energy, with that of springs [J], shape (m,).
         load: energy of the load terms of the density [J], shape (m,).
         resultants: spatial momenta σ and Σ at the nodes, shape (m, nodes, dofs).
         slopes: derivatives along the interval at the first point of each element, shape (m, nodes, dofs), that of an
@@ -71,7 +72,7 @@ def observe(system: System, frames: Frames) -> Observations:
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
-        strain=strain,
+        strain=strain + spring_energy(system, frames),
         load=load,
         resultants=spatial,
         slopes=slopes,

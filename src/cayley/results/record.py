@@ -6,25 +6,39 @@ from typing import Any
 
 import numpy as np
 
-from cayley.model import Model, Port, Rod, Section
+from cayley.model import Model, Part, Rod, Section
+from cayley.model.curve import Shape
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
 from cayley.model.rod_loads import KINDS, RodLoad
+from cayley.model.stations import Stations
 from cayley.model.supports import Support
 from cayley.results.forces_record import damping_from, damping_record, rod_load_from, rod_load_record
+from cayley.results.tie_record import (
+    body_record,
+    parts_from,
+    parts_record,
+    port_from,
+    port_record,
+    ties_from,
+    ties_record,
+)
 
 
 class Sampled:
-    """A load that was a function of time, of which the values at the saved frames are left.
+    """A load or motion that was a function of time, of which the values at the saved frames are left.
 
     Args:
         name: name of the function.
         times: of the frames [s], shape (m,), rising.
-        values: of the load, shape (m, 3).
+        values: of the load or motion, shape (m, 3) or (m, 1).
+        what: "load", or what is prescribed.
     """
 
-    def __init__(self, name: str, times: np.ndarray, values: np.ndarray) -> None:
+    sampled = True  # a joint does not ask for its value at t = 0, which need not be there
+
+    def __init__(self, name: str, times: np.ndarray, values: np.ndarray, what: str = "load") -> None:
         """Hold the table."""
-        self.__name__, self.times, self.values = name, times, values
+        self.__name__, self.times, self.values, self.what = name, times, values, what
 
     def __call__(self, t: float) -> np.ndarray:
         """The value at the time of a frame.
@@ -36,8 +50,8 @@ class Sampled:
         k = int(np.searchsorted(self.times, time))
         if k == len(self.times) or self.times[k] != time:
             raise ValueError(
-                f"the load function {self.__name__} is not in the store, only its values at the saved frames, and "
-                f"t = {time:g} s is none of them; open the run with model=... to give the function again"
+                f"the {self.what} function {self.__name__} is not in the store, only its values at the saved frames, "
+                f"and t = {time:g} s is none of them; open the run with model=... to give the function again"
             )
         return self.values[k].copy()
 
@@ -47,57 +61,71 @@ def model_record(model: Model) -> dict[str, Any]:
 
     Numbers are those of the model, bit for bit: JSON writes the shortest decimals that read back the same.
     """
-    sections: list[Section] = []
+    sections: dict[int, Section] = {}
     for rod in model.rods:
-        if not any(rod.section is section for section in sections):
-            sections.append(rod.section)
+        for section in _all_sections(rod.stations):
+            sections.setdefault(id(section), section)
+    numbers = {identity: k for k, identity in enumerate(sections)}
     return {
-        "sections": [_section_record(section) for section in sections],
-        "rods": [
-            _rod_record(rod) | {"section": next(k for k, s in enumerate(sections) if s is rod.section)}
-            for rod in model.rods
-        ],
+        "sections": [_section_record(section) for section in sections.values()],
+        "rods": [_rod_record(rod) | {"section": _numbered(rod.stations, numbers)} for rod in model.rods],
         "supports": [
             {
-                **_port_record(support.port, model),
+                **port_record(support.port, model),
                 "position": list(support.held_position),
                 "rotation": list(support.held_rotation),
             }
             for support in model.supports
         ],
         "loads": [_load_record(load, model) for load in model.loads],
+        **parts_record(model),
+        **ties_record(model),
     }
 
 
-def model_from(record: Mapping[str, Any], functions: Sequence[Callable[[float], Any] | None]) -> Model:
+def model_from(
+    record: Mapping[str, Any],
+    functions: Sequence[Callable[[float], Any] | None],
+    motions: Mapping[str, Callable[[float], Any]] | None = None,
+) -> Model:
     """Make a model of its record.
 
     Args:
         record: made by model_record.
         functions: for every load the function of time it was, or None.
+        motions: prescribed motions that were functions of time, by "name of the joint/quantity".
     """
     sections = [Section(**(given | {"name": str(given["name"])})) for given in record["sections"]]
     rods = [_rod_from(given, sections) for given in record["rods"]]
+    parts = parts_from(record, rods)
+    bodies = [part for part in parts if not isinstance(part, Rod)]
     supports = [
-        Support(Port(rods[s["rod"]], s["node"]), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]
+        Support(port_from(s, rods, bodies), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]
     ]
     pairs = zip(record["loads"], functions, strict=True)
-    loads = [_load_from(given, rods, function) for given, function in pairs]
-    return Model(*rods, supports=supports, loads=loads)
+    loads = [_load_from(given, rods, bodies, function) for given, function in pairs]
+    ties = ties_from(record, parts, motions or {})
+    held = [*supports, *ties["guides"]]
+    return Model(*parts, supports=held, joints=ties["joints"], springs=ties["springs"], loads=loads)
 
 
 def name_of(part: Any, model: Model | None) -> str | None:
-    """The name of a rod in a model, or None: of the rod itself, else of the one rod that equals it in every number.
+    """The name of a part in a model, or None: of the part itself, else of the one that equals it in every number.
 
-    An opened run has rods of its own, which a user's rods can only equal.
+    An opened run has parts of its own, which a user's parts can only equal.
     """
-    if model is None or not isinstance(part, Rod):
+    if model is None or not isinstance(part, Part):
         return None
-    pairs = list(zip(model.rods, model.names, strict=True))
+    if not isinstance(part, Rod):
+        bodies = [(body, model.name_of(body)) for body in model.bodies]
+        known = [name for body, name in bodies if body is part]
+        known = known or [name for body, name in bodies if body_record(body) == body_record(part)]  # type: ignore[arg-type]
+        return known[0] if len(known) == 1 else None
+    pairs = [(rod, model.name_of(rod)) for rod in model.rods]
     same = [name for rod, name in pairs if rod is part]
     if not same:
-        own = _rod_record(part), _section_record(part.section)
-        same = [name for rod, name in pairs if (_rod_record(rod), _section_record(rod.section)) == own]
+        own = _whole_record(part)
+        same = [name for rod, name in pairs if _whole_record(rod) == own]
     return same[0] if len(same) == 1 else None
 
 
@@ -108,7 +136,39 @@ def _section_record(section: Section) -> dict[str, Any]:
         "mass_per_length": section.mass_per_length,
         "inertia": section.inertia.tolist(),
         "outline": section.outline.tolist(),
+        **({"mass_center": list(section.mass_center)} if any(section.mass_center) else {}),
     }
+
+
+def _all_sections(given: Section | Stations) -> list[Section]:
+    return [given] if isinstance(given, Section) else [section for own in given.sections for section in own]
+
+
+def _numbered(given: Section | Stations, numbers: Mapping[int, int]) -> Any:
+    """A section by its number among those of the model; stations as those of every element, with their name."""
+    if isinstance(given, Section):
+        return numbers[id(given)]
+    return {"name": given.name, "stations": [[numbers[id(section)] for section in own] for own in given.sections]}
+
+
+def _whole_record(rod: Rod) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    return _rod_record(rod), [_section_record(section) for section in _all_sections(rod.stations)]
+
+
+def _rod_from(record: Mapping[str, Any], sections: Sequence[Section]) -> Rod:
+    """Make a rod of its record."""
+    given = dict(record)
+    section = given["section"]
+    if isinstance(section, Mapping):
+        rows = tuple(tuple(sections[k] for k in own) for own in section["stations"])
+        given["section"] = Stations(rows, str(section["name"]))
+    else:
+        given["section"] = sections[section]
+    if given.get("damping") is not None:
+        given["damping"] = damping_from(given["damping"])
+    if given.get("shape") is not None:
+        given["shape"] = Shape(**{name: np.array(given["shape"][name]) for name in ("position", "rotation")})
+    return Rod(**given)
 
 
 def _rod_record(rod: Rod) -> dict[str, Any]:
@@ -120,17 +180,15 @@ def _rod_record(rod: Rod) -> dict[str, Any]:
         "direction": list(rod.direction),
         "normal": None if rod.normal is None else list(rod.normal),
         **({} if rod.kinematics == "shearable" else {"kinematics": rod.kinematics}),
+        **({} if rod.spacing is None else {"spacing": list(rod.spacing)}),
+        **({} if rod.stretched == 1.0 else {"stretched": rod.stretched}),
+        **({} if rod.shape is None else {"shape": _shape_record(rod.shape)}),
         **({} if rod.damping is None else {"damping": damping_record(rod.damping)}),
     }
 
 
-def _rod_from(record: Mapping[str, Any], sections: Sequence[Section]) -> Rod:
-    damping = {"damping": damping_from(record["damping"])} if "damping" in record else {}
-    return Rod(**({**record} | {"section": sections[record["section"]]} | damping))
-
-
-def _port_record(port: Port, model: Model) -> dict[str, Any]:
-    return {"rod": _index(port.part, model), "node": port.node}
+def _shape_record(shape: Shape) -> dict[str, Any]:
+    return {"position": shape.position.tolist(), "rotation": shape.rotation.tolist()}
 
 
 def _index(rod: Rod, model: Model) -> int:
@@ -142,7 +200,7 @@ def _load_record(load: Load, model: Model) -> dict[str, Any]:
         return {"kind": "gravity", "acceleration": list(load.acceleration)}
     if isinstance(load, RodLoad):
         return rod_load_record(load, _index(load.rod, model))
-    place = _port_record(load.port, model) if isinstance(load, PointLoad) else {"rod": _index(load.rod, model)}
+    place = port_record(load.port, model) if isinstance(load, PointLoad) else {"rod": _index(load.rod, model)}
     named = getattr(load.value, "__name__", type(load.value).__name__)
     return {
         "kind": load.kind,
@@ -154,7 +212,9 @@ def _load_record(load: Load, model: Model) -> dict[str, Any]:
     }
 
 
-def _load_from(record: Mapping[str, Any], rods: Sequence[Rod], function: Callable[[float], Any] | None) -> Load:
+def _load_from(
+    record: Mapping[str, Any], rods: Sequence[Rod], bodies: Sequence[Part], function: Callable[[float], Any] | None
+) -> Load:
     if record["kind"] == "gravity":
         return Gravity(tuple(record["acceleration"]))
     if record["kind"] in KINDS:
@@ -166,8 +226,9 @@ def _load_from(record: Mapping[str, Any], rods: Sequence[Rod], function: Callabl
         "start": record["start"],
         "until": math.inf if record["until"] is None else record["until"],
     }
-    rod = rods[record["rod"]]
-    return PointLoad(port=Port(rod, record["node"]), **shared) if "node" in record else LineLoad(rod=rod, **shared)
+    if "node" in record:
+        return PointLoad(port=port_from(record, rods, bodies), **shared)
+    return LineLoad(rod=rods[record["rod"]], **shared)
 
 
 __all__ = ["Sampled", "model_from", "model_record", "name_of"]

@@ -6,6 +6,7 @@
     /nodes               coordinates along the interval                             (node)
     /fields/NAME/value, momentum, velocity, and on an interval slope, resultant     (time, node, component)
     /loads/K/value       of each load of the model that is a function of time       (time, axis)
+    /motions/NAME/QUANTITY  of each joint that a function of time moves             (time, axis)
 
 Dimensions are named and units given, so that xarray opens any group without this library:
 ``xarray.open_zarr(path, group="fields/x", consolidated=False)``.
@@ -34,6 +35,7 @@ from cayley.results.frames import Frames
 from cayley.results.observe import Observations
 from cayley.results.outline import Outline
 from cayley.results.record import Sampled, model_from, model_record
+from cayley.results.tie_record import driven_functions, recorded_functions
 from cayley.results.trajectory import Trajectory
 
 FORMAT = "cayley run"
@@ -140,7 +142,7 @@ def _write(run: Trajectory, path: Path) -> None:
     _put(root, {name: ("J", getattr(observed, key)) for key, name in _ENERGIES.items()}, ("time",))
     _put(root, {"nodes": ("m", run.outline.nodes)}, ("node",))
     if frames.memory is not None:
-        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row"))
+        _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row")[: frames.memory.ndim])
     if frames.work is not None:
         _put(root, {"work": ("J", frames.work)}, ("time", "cell", "account"))
     for name in layout.fields:
@@ -159,6 +161,10 @@ def _write(run: Trajectory, path: Path) -> None:
             table = np.array([load.at(float(t)) for t in frames.times])
             _put(group, times, ("time",))
             _put(group, {"value": (load.unit, table)}, ("time", "axis"))
+    for name, quantity, joint in driven_functions(run.model) if run.model is not None else ():
+        group = root.require_group(f"motions/{name}")
+        table = joint.motion(quantity, frames.times)
+        _put(group, {quantity: ("m" if quantity in ("displacement", "position") else "rad", table)}, ("time", "axis"))
 
 
 def _of_field(outline: Outline, name: str, frames: Frames, observed: Observations) -> dict[str, np.ndarray]:
@@ -234,7 +240,7 @@ def _get(root: Any, name: str, shape: tuple[int, ...], *, kind: type = np.float6
 
 
 def _model(root: Any, record: Mapping[str, Any] | None, times: np.ndarray) -> Model | None:
-    """The model in a store; loads that were functions are tables."""
+    """The model in a store; loads and motions that were functions are tables."""
     if record is None:
         return None
     functions: list[Sampled | None] = []
@@ -242,7 +248,12 @@ def _model(root: Any, record: Mapping[str, Any] | None, times: np.ndarray) -> Mo
         timed = isinstance(load.get("value"), Mapping) and load["kind"] not in KINDS
         table = _get(root, f"loads/{k}/value", (len(times), 3)) if timed else None
         functions.append(None if table is None else Sampled(load["value"]["function"], times, table))
-    return model_from(record, functions)
+    motions: dict[str, Sampled] = {}
+    for name, quantity, function in recorded_functions(record):
+        array = root[f"motions/{name}/{quantity}"]
+        values = _get(root, f"motions/{name}/{quantity}", (len(times), array.shape[1]))
+        motions[f"{name}/{quantity}"] = Sampled(function, times, values, quantity)
+    return model_from(record, functions, motions)
 
 
 def _attributes(path: Path) -> Mapping[str, Any]:

@@ -25,9 +25,9 @@ AXES = ["x", "y", "z"]
 class Trajectory:
     """What a run left: saved states, and everything that follows from them.
 
-    ``run[rod]`` is a Dataset of a rod, ``run.data`` one of all fields by their names; energies and momenta are
-    DataArrays over time. Quantities are evaluated from the saved states when first asked for; those of a run opened
-    from a store are read from it.
+    ``run[part]`` is a Dataset of a rod or body, ``run.port(part, name)`` one of a port, ``run.data`` one of all fields
+    by their names; energies and momenta are DataArrays over time. Quantities are evaluated from the saved states when
+    first asked for; those of a run opened from a store are read from it.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Trajectory:
             outline: its outline, with
             observed: what was observed of it.
             model: the model it came from, if any.
-            parts: nodes of each rod by name.
+            parts: nodes of each part by name.
         """
         if system is None and (outline is None or observed is None):
             raise TypeError("Trajectory: give the system, or outline and observed")
@@ -122,14 +122,32 @@ class Trajectory:
         return self.frames.state()
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
-        """Fields of one rod, given itself or by name."""
+        """Fields of one rod or body, given itself or by name."""
+        from cayley.results.body import body_dataset
         from cayley.results.record import name_of
         from cayley.results.rod import rod_dataset
 
         name = part if isinstance(part, str) else name_of(part, self.model)
         if name not in self._parts:
             raise KeyError(f"the run has no part {part!r}; it has {', '.join(self._parts) or 'none (use run.data)'}")
-        return rod_dataset(self, self._parts[name], str(name))
+        nodes = self._parts[name]
+        if self.model is not None and any(body is self._part(str(name)) for body in self.model.bodies):
+            return body_dataset(self, nodes.start, str(name))
+        return rod_dataset(self, nodes, str(name))
+
+    def port(self, part: Any, name: str | None = None) -> "xr.Dataset":
+        """Motion of a port: position, rotation of its frame, velocity, angular velocity about its axes.
+
+        Args:
+            part: a part or its name, with a name; or a port, such as ``arm.end.offset((0, 0, 0.1))``.
+            name: of a body's port, or "start" or "end" of a rod.
+
+        Raises:
+            KeyError: there is no such part or port.
+        """
+        from cayley.results.body import port_dataset, port_of
+
+        return port_dataset(self, *port_of(self, part, name))
 
     def __repr__(self) -> str:
         """Say what ran."""
@@ -276,6 +294,9 @@ class Trajectory:
 
         attributes = {"long_name": long_name, "units": units}
         return Series(values, coordinates, dims, name=long_name.replace(" ", "_"), attrs=attributes)
+
+    def _part(self, name: str) -> Any:
+        return dict(zip(self.model.names, self.model.parts, strict=True)).get(name) if self.model else None
 
     def _vectors(self) -> list[str]:
         layout = self.outline.layout

@@ -1,8 +1,8 @@
 """Run a system of an implicit rule from frame to frame."""
 
+import ctypes
 from collections.abc import Callable
-from dataclasses import replace
-from types import ModuleType
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,19 +10,14 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
-from cayley.steppers import constrained_implicit_plan, galerkin_plan, onestage_plan
+from cayley.steppers import problem
+from cayley.steppers.cells import constraint_cells, term_cells
 from cayley.steppers.outcome import Outcome, Result
+from cayley.steppers.problem import Plan
 from cayley.system.system import LoadEntries, State, System
 
 CHUNK = 2_000
 """Most steps in one call of the driver."""
-
-
-def scheme_of(system: System) -> ModuleType:
-    """The scheme that steps a system: the quick one where a step has one stage and an element two nodes."""
-    if system.equations.density.constraints.numel():
-        return constrained_implicit_plan
-    return onestage_plan if system.equations.rule.one_stage else galerkin_plan
 
 
 def run(
@@ -31,39 +26,148 @@ def run(
     *,
     stride: int,
     saves: int,
-    receive: Callable[[np.ndarray, np.ndarray], None],
+    receive: Callable[..., None],
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
     if system.layout.representation.name != "quaternion":
         return _run_turned(system, state, stride=stride, saves=saves, receive=receive, progress=progress)
-    scheme = scheme_of(system)
-    plan = scheme.make_plan(system, state)
+    plan = make_plan(system)
+    accounted = system.accounted
     rows = system.layout.rows
     done = 0
     while done < saves:
         count = max(1, min(saves - done, CHUNK // stride))
         frames = np.empty((count, system.size, rows + system.layout.dofs))
-        outcome, reached, counts, memory, history = scheme.advance(system, plan, state, stride, frames)
+        call = advance(plan, state, stride, frames)
+        outcome, reached, counts = call.outcome, call.reached, call.counts
         if reached:
-            values, momenta = frames[:reached, :, :rows], frames[:reached, :, rows:]
-            receive(values.copy(), momenta.copy())
+            values, momenta = frames[:reached, :, :rows].copy(), frames[:reached, :, rows:].copy()
+            receive(values, momenta, work=call.work[:reached]) if accounted else receive(values, momenta)
             last = state.step + reached * stride
-            known = memory if outcome is Outcome.FINISHED else None  # after a failure it is not that of the last frame
-            state = replace(state, values=values[-1].copy(), momenta=momenta[-1].copy(), step=last, memory=known)
+            # after a failure the memory is not that of the last frame
+            memory = call.memory if outcome is Outcome.FINISHED else None
+            work = call.work[reached - 1] if accounted else None
+            state = replace(state, values=values[-1], momenta=momenta[-1], step=last, memory=memory, work=work)
         if outcome is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), history)
+            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), call.history)
         done += count
         if progress is not None:
             progress(done / saves, state.time)
     return Result(Outcome.FINISHED, state, state.step)
 
 
+def make_plan(system: System) -> Plan:
+    """Cells and blocks of a system, its kernels compiled: a node between elements is a block, those inside one another."""
+    degree, groups, first = system.equations.rule.degree, [], 0
+    for count in system.chains:
+        element, inner = np.divmod(np.arange(count), degree)
+        own = 2 * element + (inner > 0) if degree > 1 else element
+        groups.append(first + own)
+        first += int(own[-1]) + 1
+    nodes = np.arange(system.size)
+    cells = term_cells(system), constraint_cells(system, nodes)
+    return problem.make_plan(system, nodes, system.equations.rule.time, np.concatenate(groups), *cells)
+
+
+def prepare(system: System) -> None:
+    """Compile or load everything a run of the system calls."""
+    make_plan(embedded(system))
+
+
+@dataclass(frozen=True, slots=True)
+class Advance:
+    """What one call of the driver returns.
+
+    Args:
+        outcome: how it ended.
+        reached: frames written.
+        counts: iterations in all, most in a step, number and node of the last step, shape (4,).
+        memory: control nodes and multipliers of the last step, flat.
+        history: relative correction and largest residual [N s, N m s] of the last iterations, shape (HISTORY, 2).
+        work: work and loss at the frames [J], shape (frames, 1, 2).
+    """
+
+    outcome: Outcome
+    reached: int
+    counts: np.ndarray
+    memory: np.ndarray
+    history: np.ndarray
+    work: np.ndarray
+
+
+def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
+    """One call of the driver."""
+    system, steps = plan.system, len(frames) * stride
+    entries, scales = load_entries(system)
+    work = np.zeros((len(frames), 1, 2))
+    made = problem.make_problem(
+        plan,
+        state,
+        steps,
+        len(frames),
+        {
+            "table": stage_table(system, state, plan.tables["at"], steps),
+            "entries": entries,
+            "scales": scales,
+            "frames": frames,
+            "works": work,
+        },
+    )
+    if state.work is not None:
+        made.arrays["energy"][1:] = state.work[0]
+    made.struct.warm = int(_recall(state, made))
+    reached = ctypes.c_int64(0)
+    code = made.engine.advance(ctypes.byref(made.struct), ctypes.byref(reached))
+    flat = [made.arrays["memory"][:, :-1].reshape(-1), *(c["start"].reshape(-1) for c in made.couplings)]
+    outcome, counts = list(Outcome)[code], made.arrays["counts"]
+    if outcome is Outcome.REDUNDANT:
+        counts[3] = np.flatnonzero(plan.block_of == counts[3])[0]
+    return Advance(outcome, reached.value, counts, np.concatenate(flat), made.arrays["history"], work)
+
+
+def _recall(state: State, made: problem.Problem) -> bool:
+    """Put what a state remembers of the last step into the arrays; returns whether there was anything."""
+    inner = made.arrays["memory"][:, :-1]
+    sizes = [inner.size, *(c["start"].size for c in made.couplings)]
+    if state.memory is None or state.memory.shape != (sum(sizes),):
+        return False
+    first, *others = np.split(state.memory, np.cumsum(sizes)[:-1])
+    inner[:] = first.reshape(inner.shape)
+    for coupling, values in zip(made.couplings, others, strict=True):
+        coupling["start"][:] = values.reshape(coupling["start"].shape)
+    return True
+
+
+def stage_table(system: System, state: State, stages: np.ndarray, steps: int) -> np.ndarray:
+    """Values of the time-dependent loads at the stages of the next steps, shape (steps, stages, columns)."""
+    if system.loads is None:
+        return np.zeros((1, 1, 1))
+    times = state.origin + (state.step + np.arange(steps)[:, None] + stages[None]) * state.h
+    return np.ascontiguousarray(system.loads.table.at_stages(times, state.h, state.origin))
+
+
+def load_entries(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Loaded nodes.
+
+    Returns: (node, row, row of rotation, form, column, is moment, dof) per entry, shape (k, 7), and their factors (k,).
+    """
+    loads, layout = system.loads, system.layout
+    if loads is None:
+        return np.zeros((0, 7), dtype=np.int64), np.zeros(0)
+    row_of_dof = {layout.dofs_of(n).start: layout.rows_of(n).start for n in layout.fields}
+    moments = {layout.dofs_of(n).start for n in layout.rotations}
+    row = [row_of_dof[int(d)] for d in loads.dof]
+    moment = [int(int(d) in moments) for d in loads.dof]
+    columns = [loads.node, np.array(row), loads.turn, loads.form, loads.column, np.array(moment), loads.dof]
+    return np.column_stack(columns).astype(np.int64), np.ascontiguousarray(loads.scale)
+
+
 def _run_turned(
     system: System,
     state: State,
     *,
-    receive: Callable[[np.ndarray, np.ndarray], None],
+    receive: Callable[..., None],
     **options: Any,
 ) -> Result:
     """Run a system whose rotations are stored as matrices.
@@ -73,19 +177,19 @@ def _run_turned(
     as quaternions too, so that a run goes on bit for bit.
     """
     inner = embedded(system)
-    values, memory = _turned(system, inner, state.values, to_quaternion=True), None
-    if state.memory is not None and state.memory.shape[2] == inner.layout.rows:
-        remembered = state.memory[:, -1].copy()
+    values, memory, size = _turned(system, inner, state.values, to_quaternion=True), None, inner.reference.size
+    if state.memory is not None and state.memory.ndim == 1 and len(state.memory) > size:
+        remembered = state.memory[-size:].reshape(inner.reference.shape)
         if np.array_equal(_turned(system, inner, remembered, to_quaternion=False), state.values):
-            values, memory = remembered, state.memory[:, :-1].copy()
+            values, memory = remembered.copy(), state.memory[:-size]
 
-    def receive_turned(values: np.ndarray, momenta: np.ndarray) -> None:
-        receive(_turned(system, inner, values, to_quaternion=False), momenta)
+    def receive_turned(values: np.ndarray, momenta: np.ndarray, **more: np.ndarray) -> None:
+        receive(_turned(system, inner, values, to_quaternion=False), momenta, **more)
 
     begin = replace(state, values=values, memory=memory)
     result = run(inner, begin, receive=receive_turned, **options)
     end = result.state
-    memory = None if end.memory is None else np.concatenate([end.memory, end.values[:, None]], axis=1)
+    memory = None if end.memory is None else np.concatenate([end.memory, end.values.reshape(-1)])
     reached = state.values if end is begin else _turned(system, inner, end.values, to_quaternion=False)
     return replace(result, state=replace(end, values=reached, memory=memory))
 
@@ -123,12 +227,3 @@ def _turned_loads(system: System, layout: Layout) -> LoadEntries | None:
         return None
     row = {system.layout.rows_of(name).start: layout.rows_of(name).start for name in layout.rotations}
     return replace(system.loads, turn=np.array([row[int(turn)] for turn in system.loads.turn], dtype=np.int64))
-
-
-def prepare(system: System) -> None:
-    """Compile or load everything a run of the system calls."""
-    system = embedded(system)
-    state = State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs)), h=1.0)
-    frames = np.empty((0, system.size, system.layout.rows + system.layout.dofs))
-    scheme = scheme_of(system)
-    scheme.advance(system, scheme.make_plan(system, state), state, 1, frames)

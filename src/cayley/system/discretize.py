@@ -10,10 +10,16 @@ from cayley.codegen.kernels import Kernels, lanes_for
 from cayley.density import library, trace
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import name_at, placed, plain
 from cayley.discrete.rules import Rule
-from cayley.model import Model, Rod
+from cayley.model import Model, Part, PointMass, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
-from cayley.system.compile import chain_arrays, chain_nodes, uniform_values
+from cayley.system.body_arrays import body_arrays
+from cayley.system.compile import uniform_values
+from cayley.system.connect import connect
+from cayley.system.couplings import Coupling
+from cayley.system.redundancy import redundant
+from cayley.system.rod_arrays import CONSTRAINED, STRAIN_CONSTANTS, PartArrays, rod_arrays
 from cayley.system.rod_forces import with_forces
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
@@ -22,7 +28,7 @@ from cayley.system.tables import time_table
 def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", account: bool = False) -> System:
     """Compile the equations of a model.
 
-    All rods run in one sweep, a chain of nodes each; constants that differ between rods become arrays.
+    All parts run in one sweep, a chain of nodes each, of one node a body; constants that differ become arrays.
 
     Args:
         model: the model.
@@ -30,49 +36,78 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
         rotation: "quaternion" or "matrix".
         account: keep account of the work of loads; it is kept anyway where there are forces beside the Lagrangian.
 
-    Returns: the System; its nodes are those of the rods, one rod after the other.
+    Returns: the System; its nodes are those of the parts, one part after the other.
+
+    Raises:
+        ValueError: rods of different kinematics, joints with matrices, or redundant constraints of joints.
     """
-    rods = model.rods
-    library_density, constrained = _KINEMATICS[_one_kinematics(rods)]
+    kinematics = _one_kinematics(model.rods)
+    lagrangian, forces = with_forces(_KINEMATICS[kinematics], model, CONSTRAINED[kinematics])
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
-    lagrangian, forces = with_forces(library_density, model, constrained)
-    constants = [_rod_constants(rod, gravity) | own for rod, own in zip(rods, forces, strict=True)]
-    pattern = {name: _union([c[name] for c in constants]) for name in constants[0]}
-    density = trace(lagrangian, pattern)
-    entries = {name: np.array([_entry(c, name) for c in constants]) for name in density.names}
-    inverse = np.array([1.0 / rod.element_length for rod in rods])
-    varying = [name for name, values in entries.items() if np.any(values != values[0])]
-    varying += ["inverse"] if np.any(inverse != inverse[0]) else []
+    rods = {id(rod): rod_arrays(rod, rule, gravity) for rod in model.rods}
+    beside = next(iter(rods.values()), None)
+    parts = [
+        rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
+        for part in model.parts
+    ]
+    constants = _joined(parts) | _forced(forces, parts)
+    patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
+    density = trace(lagrangian, patterns)
+    entries = {name: _entry(constants, name) for name in density.names}
+    entries |= _within(constants, entries, rule)
+    named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
+    entries["inverse"] = named.pop("inverse")
+    varying = [name for name, values in entries.items() if name != plain(name) or np.any(values != values[0])]
+    _refuse_within(rule, varying)
     equations = derive(density, rule, rotation=rotation, varying=varying, account=account)
-    places = [chain_nodes(np.asarray(rod.nodes), rule.degree) for rod in rods]
-    counts = [len(place) for place in places]
-    chains = [chain_arrays(place, rule.degree) for place in places]
-    named = {name: np.concatenate([chain[name] for chain in chains]) for name in chains[0]}
-    named |= {name: np.repeat(entries[name] if name != "inverse" else inverse, counts) for name in varying}
-    layout = equations.layout
+    named |= {name: entries[name] for name in varying}
+    layout, counts = equations.layout, [part.size for part in parts]
     reference = np.zeros((sum(counts), layout.rows))
-    for rod, place, nodes in zip(rods, places, spans(model, rule.degree), strict=True):
-        reference[nodes, layout.rows_of("x")] = np.array(rod.origin) + np.outer(place, rod.direction)
-        reference[nodes, layout.rows_of("p")] = layout.representation.from_quaternion(np.asarray(rod.rotation))
-    first = {name: float(values[0]) for name, values in entries.items()} | {"inverse": float(inverse[0])}
+    reference[:, layout.rows_of("x")] = np.concatenate([part.position for part in parts])
+    turned = np.concatenate([part.rotation for part in parts])
+    reference[:, layout.rows_of("p")] = layout.representation.from_quaternion(turned)
+    first = {name: float(values[0]) for name, values in entries.items()}
+    free = _free(model, layout, rule.degree)
+    joints, springs = connect(model, first_nodes(model, rule.degree), rule.degree)
+    if joints or springs:
+        _check_joints(layout, reference, free, joints)
     return System(
         equations=equations,
         kernels=Kernels(equations, lanes_for(rule.cell, sum((count - 1) // rule.cell + 1 for count in counts))),
         uniforms=uniform_values(equations, first),
         named=named,
-        free=_free(model, layout, rule.degree),
+        free=free,
         chains=tuple(counts),
         loads=_loads(model, layout, named["weight"], rule.degree),
         reference=reference,
+        joints=joints,
+        springs=springs,
     )
 
 
 def spans(model: Model, degree: int) -> list[slice]:
-    """Nodes of each rod among all nodes, with degree nodes more in every element."""
-    edges = np.cumsum([0, *[rod.elements * degree + 1 for rod in model.rods]])
+    """Nodes of each part among all nodes, with degree − 1 nodes inside every element."""
+    edges = np.cumsum([0, *[(part.node_count - 1) * degree + 1 for part in model.parts]])
     return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
+
+
+def first_nodes(model: Model, degree: int) -> dict[int, int]:
+    """First node of each part, by its id."""
+    return {id(part): nodes.start for part, nodes in zip(model.parts, spans(model, degree), strict=True)}
+
+
+def _check_joints(layout: Layout, reference: np.ndarray, free: np.ndarray, joints: Sequence[Coupling]) -> None:
+    """Refuse joints of rotations as matrices, and constraints that follow from others."""
+    if layout.representation.name != "quaternion":
+        raise ValueError("Model: joints and springs want rotation='quaternion'; leave rotation out")
+    lines = redundant(layout, reference, free, joints)
+    if lines:
+        raise ValueError(
+            f"Model: {len(lines)} joint{'s are' if len(lines) > 1 else ' is'} redundant at the start, so their forces "
+            f"are not unique ({'; '.join(lines)}); hold less, such as by a ball instead of a hinge"
+        )
 
 
 def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[str, Any]]) -> tuple[np.ndarray, ...]:
@@ -81,14 +116,15 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
     Args:
         model: the model.
         system: its system.
-        initial: rod or its name -> {"position", "rotation", "velocity", "angular_velocity", "momentum",
+        initial: part or its name -> {"position", "rotation", "velocity", "angular_velocity", "momentum",
             "angular_momentum"}; arrays that broadcast to (nodes, 3) (rotation: (nodes, 4)), or functions of s. Momenta
-            are per length [kg/s, kg m/s], the angular ones, like angular velocities, in the body frame.
+            are per length [kg/s, kg m/s], of a body as they are [kg m/s, kg m²/s], the angular ones, like angular
+            velocities, in the body frame.
 
     Returns: values (nodes, rows), velocities (nodes, dofs), nodal momenta (nodes, dofs) with NaN where not given.
 
     Raises:
-        ValueError: for an unknown rod or key, a wrong shape, or a quantity given twice.
+        ValueError: for an unknown part or key, a wrong shape, or a quantity given twice.
     """
     layout = system.layout
     values = system.reference.copy()
@@ -97,9 +133,9 @@ def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[s
     among = spans(model, system.equations.rule.degree)
     by_name = dict(zip(model.names, among, strict=True))
     for key, given in initial.items():
-        name = model.name_of(key) if isinstance(key, Rod) else key
+        name = model.name_of(key) if isinstance(key, Part) else key
         if name not in by_name:
-            raise ValueError(f"initial: {key!r} is no rod of the model; its rods are {', '.join(by_name)}")
+            raise ValueError(f"initial: {key!r} is no part of the model; its parts are {', '.join(by_name)}")
         nodes = by_name[name]
         for quantity, value in given.items():
             where = f"initial[{name!r}][{quantity!r}]"
@@ -138,11 +174,11 @@ def _nodal(value: Any, nodes: np.ndarray, width: int, where: str) -> np.ndarray:
 
 
 _KINEMATICS = {
-    "shearable": (library.rod, 0),
-    "unshearable": (library.unshearable_rod, 2),
-    "inextensible": (library.inextensible_rod, 3),
+    "shearable": library.rod,
+    "unshearable": library.unshearable_rod,
+    "inextensible": library.inextensible_rod,
 }
-"""The density of each kinematics, and how many of the six strains are constrained, the first ones."""
+"""The density of each kinematics."""
 
 
 def _one_kinematics(rods: Sequence[Rod]) -> str:
@@ -151,38 +187,83 @@ def _one_kinematics(rods: Sequence[Rod]) -> str:
     Raises:
         ValueError: if they differ; a model is stepped by one set of kernels.
     """
-    found = sorted({rod.kinematics for rod in rods})
+    found = sorted({rod.kinematics for rod in rods}) or ["shearable"]
     if len(found) > 1:
         raise ValueError(f"Model: its rods are {' and '.join(found)}; give all rods of one model the same kinematics")
     return found[0]
 
 
-def _rod_constants(rod: Rod, gravity: np.ndarray) -> dict[str, np.ndarray]:
-    section = rod.section
-    constrained = _KINEMATICS[rod.kinematics][1]
+def _joined(parts: Sequence[PartArrays]) -> dict[str, np.ndarray]:
+    """Constants of all nodes; a part without values of its own at a place of an element has those of place 0 there."""
+    names = dict.fromkeys(name for part in parts for name in part.constants)
     return {
-        "mass": np.asarray(section.mass_per_length, dtype=float),
-        "inertia": np.asarray(section.inertia, dtype=float),
-        "stiffness": np.asarray(section.stiffness, dtype=float)[constrained:, constrained:],
-        "gravity": gravity,
+        name: np.concatenate([part.constants.get(name, part.constants[plain(name)]) for part in parts])
+        for name in names
     }
 
 
-def _union(arrays: list[np.ndarray]) -> np.ndarray:
-    """Non-zero where any is; of equal arrays, the array itself."""
-    return arrays[0] if all(np.array_equal(a, arrays[0]) for a in arrays) else sum(np.abs(a) for a in arrays)
+def _forced(forces: Sequence[Mapping[str, np.ndarray]], parts: Sequence[PartArrays]) -> dict[str, np.ndarray]:
+    """Constants of damping and of loads along rods, the same at all nodes of a part."""
+    pairs = list(zip(forces, parts, strict=True))
+    names = forces[0] if forces else {}
+    return {
+        name: np.concatenate([np.broadcast_to(own[name], (part.size, *np.shape(own[name]))) for own, part in pairs])
+        for name in names
+    }
 
 
-def _entry(constants: Mapping[str, np.ndarray], label: str) -> float:
-    """The number behind a label such as 'c.stiffness[0,1]'."""
+def _pattern(constants: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """A constant that is equal everywhere; of another, values that are zero only where all are."""
+    values = np.concatenate([own for other, own in constants.items() if plain(other) == name])
+    return values[0] if np.all(values == values[0]) else np.abs(values).max(axis=0)
+
+
+def _within(
+    constants: Mapping[str, np.ndarray], entries: Mapping[str, np.ndarray], rule: Rule
+) -> dict[str, np.ndarray]:
+    """Entries that differ within an element, by their names at each place (see discrete.places)."""
+    found = {}
+    for label, values in entries.items():
+        constant, _, index = label.removeprefix("c.").partition("[")
+        for k in range(1, max(rule.cell, len(rule.strain.at))):
+            if constant in STRAIN_CONSTANTS:
+                key = name_at(constant, k)
+                own = _entry(constants, f"c.{key}[{index}") if key in constants else values
+            else:  # of node k of the cell
+                own = np.roll(values, -k) if k < rule.cell else values
+            if np.any(own != values):
+                found[name_at(label, k)] = own
+    return found
+
+
+def _refuse_within(rule: Rule, varying: Sequence[str]) -> None:
+    """Refuse rules whose stepper reads constants once an element where they differ within it.
+
+    Raises:
+        ValueError: there are such constants.
+    """
+    within = placed(varying)
+    if within and rule.implicit:
+        raise ValueError(
+            f"the rule {rule} does not read {plain(within[0])} at every strain point yet, and it differs within an "
+            "element here (curved or tapered rods); use midpoint, screw_midpoint, galerkin(time=...) or explicit rules"
+        )
+
+
+def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:
+    """The numbers behind a label such as 'c.stiffness[0,1]', shape (nodes,)."""
     name, _, index = label.removeprefix("c.").rstrip("]").partition("[")
-    return float(constants[name][tuple(int(i) for i in index.split(",") if i)])
+    place: Any = (slice(None), *(int(i) for i in index.split(",") if i))
+    return constants[name][place]
 
 
 def _free(model: Model, layout: Layout, degree: int) -> np.ndarray:
     among = spans(model, degree)
     free = np.ones((among[-1].stop, layout.dofs), dtype=bool)
-    starts = {id(rod): nodes.start for rod, nodes in zip(model.rods, among, strict=True)}
+    starts = first_nodes(model, degree)
+    for part in model.parts:
+        if isinstance(part, PointMass):
+            free[starts[id(part)], layout.dofs_of("p")] = False
     for support in model.supports:
         node = starts[id(support.port.part)] + support.port.node * degree
         free[node, layout.dofs_of("x")] &= ~np.array(support.held_position)
@@ -194,13 +275,13 @@ def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> Loa
     timed = [load for load in model.loads if isinstance(load, PointLoad | LineLoad)]
     if not timed:
         return None
-    by_rod = {id(rod): nodes for rod, nodes in zip(model.rods, spans(model, degree), strict=True)}
+    by_part = {id(part): nodes for part, nodes in zip(model.parts, spans(model, degree), strict=True)}
     rows: list[tuple[int, int, int, int, int, float]] = []
     for k, load in enumerate(timed):
         moment = load.kind == "moment"
         dof = layout.dofs_of("p" if moment else "x").start
         form = {(True, "body"): 0, (True, "space"): 1, (False, "space"): 0, (False, "body"): 2}[(moment, load.frame)]
-        nodes = by_rod[id(load.part)]
+        nodes = by_part[id(load.part)]
         turn = layout.rows_of("p").start
         if isinstance(load, PointLoad):
             rows.append((nodes.start + load.port.node * degree, dof, turn, form, 3 * k, 1.0))
@@ -210,4 +291,4 @@ def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> Loa
     return LoadEntries(time_table(timed), 3 * len(timed), *columns)
 
 
-__all__ = ["discretize", "initial_values", "spans"]
+__all__ = ["discretize", "first_nodes", "initial_values", "spans"]

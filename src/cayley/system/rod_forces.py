@@ -16,7 +16,7 @@ from cayley.density.expression import cross, dot, from_sx, norm, to_sx, wrap
 from cayley.density.force import rate
 from cayley.density.lagrangian import Lagrangian
 from cayley.density.library import E3
-from cayley.model import Model, Rod
+from cayley.model import Model, Part, Rod
 from cayley.model.damping import Damping
 from cayley.model.loads import Gravity
 from cayley.model.rod_loads import (
@@ -53,7 +53,7 @@ class Fragment:
 def with_forces(
     lagrangian: Lagrangian, model: Model, constrained: int
 ) -> tuple[Lagrangian, list[dict[str, np.ndarray]]]:
-    """The Lagrangian of the rods with the forces of a model, and the constants these take, for every rod.
+    """The Lagrangian of the rods with the forces of a model, and the constants these take, for every part.
 
     Args:
         lagrangian: of the rods.
@@ -62,13 +62,13 @@ def with_forces(
 
     Returns: the same Lagrangian if there are no forces.
     """
-    by_rod = [_labeled(_fragments(model, rod, constrained)) for rod in model.rods]
+    by_part = [_labeled(_fragments(model, part, constrained)) for part in model.parts]
     found: dict[tuple[Any, ...], Fragment] = {}
-    for fragments in by_rod:
+    for fragments in by_part:
         for key, fragment in fragments.items():
             found.setdefault(key, fragment)
     if not found:
-        return lagrangian, [{} for _ in model.rods]
+        return lagrangian, [{} for _ in model.parts]
     labels = {key: f"{key[0]}{k}" for k, key in enumerate(found)}
 
     def force(q: Any, c: Any) -> Pairs:
@@ -77,7 +77,7 @@ def with_forces(
         ]
 
     constants = []
-    for fragments in by_rod:
+    for fragments in by_part:
         own: dict[str, np.ndarray] = {}
         for key, one in found.items():
             given = fragments[key].constants if key in fragments else {n: 0.0 * v for n, v in one.constants.items()}
@@ -111,11 +111,13 @@ def _labeled(fragments: Sequence[Fragment]) -> dict[tuple[Any, ...], Fragment]:
     return made
 
 
-def _fragments(model: Model, rod: Rod, constrained: int) -> list[Fragment]:
+def _fragments(model: Model, part: Part, constrained: int) -> list[Fragment]:
+    if not isinstance(part, Rod):
+        return []
     gravity = sum((np.array(g.acceleration) for g in model.loads if isinstance(g, Gravity)), start=np.zeros(3))
-    found = [] if rod.damping is None else _damping(rod.damping, constrained)
+    found = [] if part.damping is None else _damping(part.damping, constrained)
     for load in model.loads:
-        if isinstance(load, RodLoad) and load.rod is rod:
+        if isinstance(load, RodLoad) and load.rod is part:
             found.append(_timed(load, _FRAGMENTS[type(load)](load, constrained, gravity)))
     return found
 
@@ -141,7 +143,7 @@ def _strain(q: Any, constrained: int) -> Any:
 
 
 def _damping(damping: Damping, constrained: int) -> list[Fragment]:
-    """−(D + T C T) ε̇ on ε and −α (m ẋ, J ω) on (x, p)."""
+    """−(D + T C T) ε̇ on ε and −α (momenta ∂T/∂ẋ, ∂T/∂ω) on (x, p)."""
     found = []
     if any(damping.retardation[constrained:]):
         roots = np.sqrt(damping.retardation)[constrained:]
@@ -162,7 +164,9 @@ def _damping(damping: Damping, constrained: int) -> list[Fragment]:
     if damping.decay:
 
         def decay(q: Any, c: Any, own: Any) -> Pairs:
-            return [(-own.decay * c.mass * q.x_t, q.x), (-own.decay * (c.inertia @ q.p_t), q.p)]
+            linear = c.mass * q.x_t + q.p.rotate(cross(q.p_t, c.first_moment))
+            angular = c.inertia @ q.p_t + cross(c.first_moment, q.p.inverse_rotate(q.x_t))
+            return [(-own.decay * linear, q.x), (-own.decay * angular, q.p)]
 
         found.append(Fragment(("decay",), {"decay": np.asarray(damping.decay)}, decay))
     return found

@@ -7,6 +7,7 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import mass_matrix, node_load, node_point, tangent
+from cayley.discrete.places import constants_at, placed
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.rules import lobatto_weights
 from cayley.system.damping import forced_matrices
@@ -69,7 +70,9 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
     along = density.lagrangian.interval
     ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rows.cell + 1)]
     names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
+    extra = {n: ca.SX.sym(n) for n in placed(equations.varying)}
     place = names | {"here": names["left"]}
+    place["at points"] = [constants_at(extra, k) for k in range(len(equations.rule.strain.at))]
     tangents = [tangent(layout, end) for end in ends]
     load = to_sx(node_load(density, layout, ends[0], place)) * to_sx(names["weight"])
     outputs = [
@@ -84,7 +87,8 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
         both = ca.vertcat(*[to_sx(f) for f in forces]) * to_sx(names["length"])
         turn = ca.diagcat(*tangents)
         outputs.append(-ca.jacobian(both, ca.vertcat(*[to_sx(e) for e in ends])) @ turn)
-    inputs = ca.vertcat(*[to_sx(e) for e in ends], *[to_sx(v) for v in names.values()], density.parameters)
+    columns = [*(to_sx(e) for e in ends), *(to_sx(v) for v in names.values()), density.parameters, *extra.values()]
+    inputs = ca.vertcat(*columns)
     function = ca.Function("linearized", [inputs], [ca.densify(o) for o in outputs])
     inputs_at = _inputs(system, values)
     used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs]))}
@@ -130,6 +134,7 @@ def _inputs(system: System, values: np.ndarray) -> np.ndarray:
     inverse = named.get("inverse", known.get("inverse", 1.0) * ones)
     columns = [inverse, here, np.roll(here, -cell), zeros, named["weight"], lengths]
     constants = [named.get(name, known.get(name, 0.0) * ones) for name in system.equations.density.names]
+    constants += [named[name] for name in placed(system.equations.varying)]
     return np.column_stack([values, others, *columns, *constants])
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.layout import Layout
+from cayley.system.couplings import Coupling, Elastic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +88,8 @@ class System:
         chains: number of nodes of each chain (one 0-D system is a chain of one node).
         loads: time-dependent loads, or None.
         reference: values of a regular configuration, shape (nodes, rows).
+        joints: between nodes, or nodes and the ground.
+        springs: springs and dampers, likewise.
     """
 
     equations: DiscreteEquations
@@ -97,6 +100,8 @@ class System:
     chains: tuple[int, ...]
     loads: LoadEntries | None = None
     reference: np.ndarray
+    joints: tuple[Coupling, ...] = ()
+    springs: tuple[Elastic, ...] = ()
 
     @property
     def layout(self) -> Layout:
@@ -107,6 +112,11 @@ class System:
     def size(self) -> int:
         """Number of nodes."""
         return sum(self.chains)
+
+    @property
+    def accounted(self) -> bool:
+        """Whether a run keeps an account of work and loss: where there are forces beside the Lagrangian."""
+        return self.equations.density.force is not None or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:

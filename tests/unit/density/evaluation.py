@@ -90,7 +90,8 @@ def value_of(lagrangian: Lagrangian, point: Mapping[str, Any], constants: Mappin
     """Call the user's function on numbers: nothing of the library but the algebra of quaternions takes part."""
     turns = [name for name, field in lagrangian.fields.items() if isinstance(field, Rotation)]
     q = SimpleNamespace(**{k: Turn(v) if k in turns else v for k, v in point.items()})
-    c = SimpleNamespace(**{k: np.asarray(v, dtype=float) for k, v in constants.items()})
+    given = {**lagrangian.defaults, **constants}
+    c = SimpleNamespace(**{k: np.asarray(v, dtype=float) for k, v in given.items()})
     return np.asarray(lagrangian.function(q, c), dtype=float).item()
 
 

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import cayley as cy
 from cayley.density import trace
 from cayley.density.expression import symbols
 from cayley.discrete.element import element_energy, element_forces
 from cayley.discrete.layout import Layout
 from cayley.discrete.representation import REPRESENTATIONS
-from cayley.discrete.rules import CORNERS, MIDDLE
+from cayley.discrete.rules import CORNERS, MIDDLE, SCREW
 from cayley.lie import cayley, quaternion
 from unit.density.evaluation import Turn, numbers, slopes, turned, unit_quaternions
-from unit.density.examples import EXAMPLES, STRAIN
+from unit.density.examples import EXAMPLES, STRAIN, Example
 
 LENGTH, START, TIME = 0.4, 0.3, 0.7
 PLACE = {"inverse": 1.0 / LENGTH, "left": START, "right": START + LENGTH, "t": TIME}
@@ -24,7 +25,7 @@ class Element:
     """Two nodes of an example in numbers, with energy and forces as functions of their fields."""
 
     def __init__(self, name, points, form, constants=None):
-        self.lagrangian, own = EXAMPLES[name]
+        self.lagrangian, own = WITH_POSE.get(name) or EXAMPLES[name]
         self.constants = constants or own
         self.density, self.points = trace(self.lagrangian, self.constants), points
         self.layout = Layout(self.lagrangian.fields, REPRESENTATIONS[form])
@@ -83,7 +84,7 @@ class Element:
         places = [(0.5, a, START), (0.5, b, START + LENGTH)]
         if not self.points.corners:
             places = [(1.0, middle, START + 0.5 * LENGTH)]
-        total, c = 0.0, SimpleNamespace(**self.constants)
+        total, c = 0.0, SimpleNamespace(**(self.lagrangian.defaults | self.constants))
         for weight, values, s in places:
             turned_values = {k: Turn(v) if k in self.layout.rotations else v for k, v in values.items()}
             total += weight * STRAIN[self.lagrangian.name](
@@ -92,31 +93,44 @@ class Element:
         return total
 
 
+@cy.lagrangian(p=cy.Rotation(), x=cy.Vector(3), s=cy.Interval, pose=("p", "x"))
+def placed(q, c):
+    """A rod whose strain energy depends on its place and its direction in space too, and on another tangent."""
+    stored = (1.0 + q.x[2] ** 2 + q.s) * (q.p_s @ q.p_s) + q.x_s @ q.x_s + q.p.matrix[0, 1] * q.x_s[2] ** 2
+    return 0.5 * c.m * (q.x_t @ q.x_t + q.p_t @ q.p_t) - c.k * stored
+
+
+WITH_POSE = {"placed": Example(placed, {"m": 1.0, "k": 2.0})}
+SCREWS = [(name, SCREW, form) for name in ("rod", *WITH_POSE) for form in REPRESENTATIONS]
 CASES = [(name, points, form) for name in STRAIN for points in (CORNERS, MIDDLE) for form in REPRESENTATIONS]
-IDS = [f"{name}-{points.name}-{form}" for name, points, form in CASES]
+IDS = [f"{name}-{points.name}-{form}" for name, points, form in [*CASES, *SCREWS]]
 
 
-@pytest.mark.parametrize(("name", "points", "form"), CASES, ids=IDS)
+@pytest.mark.parametrize(("name", "points", "form"), [*CASES, *SCREWS], ids=IDS)
 def test_forces_are_minus_the_gradient_of_the_energy(name, points, form):
     element = Element(name, points, form)
     expected = -slopes(lambda by: element.energy(element.moved(by)), 2 * element.layout.dofs)
     assert_allclose(element.forces(), expected, atol=1e-8 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(("name", "points", "form"), CASES, ids=IDS)
+@pytest.mark.parametrize(("name", "points", "form"), CASES, ids=IDS[: len(CASES)])
 def test_energy_is_that_of_the_rule(name, points, form):
     element = Element(name, points, form)
     assert_allclose(element.energy(element.ends), element.energy_by_hand(), rtol=1e-12)
 
 
-@pytest.mark.parametrize("points", [CORNERS, MIDDLE], ids=lambda p: p.name)
-@pytest.mark.parametrize("name", ["rod", "mixed", "bent"])
+@pytest.mark.parametrize(
+    ("name", "points"),
+    [(name, points) for name in ("rod", "mixed", "bent") for points in (CORNERS, MIDDLE)]
+    + [(name, SCREW) for name in ("rod", *WITH_POSE)],
+    ids=lambda p: getattr(p, "name", p),
+)
 def test_both_forms_agree_to_round_off(name, points):
     one, other = (Element(name, points, form).forces() for form in REPRESENTATIONS)
     assert_allclose(one, other, atol=1e-13 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("points", [CORNERS, MIDDLE], ids=lambda p: p.name)
+@pytest.mark.parametrize("points", [CORNERS, MIDDLE, SCREW], ids=lambda p: p.name)
 def test_rigid_motion_of_a_rod_element_turns_its_forces(points):
     """Turned and moved as a whole the element has the same energy; forces turn with it, moments stay (body frame)."""
     element = Element("rod", points, "quaternion")
@@ -131,7 +145,7 @@ def test_rigid_motion_of_a_rod_element_turns_its_forces(points):
     assert_allclose(after[:, 1], quaternion.rotate(turn, before[:, 1]), rtol=1e-11, atol=1e-11)
 
 
-@pytest.mark.parametrize("points", [CORNERS, MIDDLE], ids=lambda p: p.name)
+@pytest.mark.parametrize("points", [CORNERS, MIDDLE, SCREW], ids=lambda p: p.name)
 def test_forces_of_a_rod_element_are_in_equilibrium(points):
     """Internal forces sum to zero, and so do their moments about the origin: momentum maps are exact."""
     element = Element("rod", points, "quaternion")

@@ -8,11 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 import cayley as cy
-from cayley.density import trace
+from cayley.density import Density, library, trace
 from cayley.discrete.embedded import point_program
 from cayley.discrete.layout import Layout
+from cayley.discrete.program import Program
 from cayley.discrete.representation import REPRESENTATIONS
-from cayley.discrete.rules import CORNERS, MIDDLE, Points
+from cayley.discrete.rules import CORNERS, MIDDLE, SCREW, Points
 from cayley.lie import quaternion
 from unit.density.evaluation import Turn, slopes, value_of
 from unit.density.examples import EXAMPLES, STRAIN
@@ -21,6 +22,7 @@ HERE, TIME, INVERSE = 0.6, 0.4, 2.5
 ON_INTERVAL = [name for name, example in EXAMPLES.items() if example.lagrangian.interval is not None]
 CASES = [(name, "inertia_point", MIDDLE) for name in EXAMPLES]
 CASES += [(name, "strain_point", points) for name in ON_INTERVAL if name in STRAIN for points in (MIDDLE, CORNERS)]
+CASES += [("rod", "strain_point", SCREW)]
 
 
 def word(value: object) -> str:
@@ -196,3 +198,73 @@ def test_varying_constants_are_rows():
     z = term.start()
     for one, other in zip(term(z), plain(z), strict=True):
         assert_allclose(one, other, rtol=1e-13)
+
+
+CONSTRAINED = {"unshearable": (library.unshearable_rod, 4), "inextensible": (library.inextensible_rod, 3)}
+LIGHT = {"inertia_point": "inertia_point_force", "strain_point": "strain_point_force"}
+LIGHT |= {"constraint_point": "constraint_point_slope"}
+
+
+def traced(name: str) -> Density:
+    """An example or a constrained rod with numbers."""
+    if name not in CONSTRAINED:
+        return trace(*EXAMPLES[name])
+    lagrangian, size = CONSTRAINED[name]
+    constants = {"mass": 1.2, "inertia": np.diag([0.3, 0.4, 0.6]), "gravity": [0.0, 0.0, -9.81]}
+    return trace(lagrangian, constants | {"stiffness": np.diag(np.arange(2.0, 2.0 + size)) + 0.1})
+
+
+def outputs(density: Density, program: Program, seed: int) -> np.ndarray:
+    """What a program stores at random inputs, constants as they are."""
+    rng = np.random.default_rng(seed)
+    known = dict(zip(density.names, density.values, strict=True)) | {"t": TIME, "here": HERE, "inverse": INVERSE}
+    inputs = [*program.uniforms, *(symbol for symbol, _, _ in program.lanes)]
+    numbers = [known[s.name()] if s.name() in known else rng.normal() for s in inputs]
+    column = ca.vertcat(*[value for _, value in program.stores])
+    return np.array(ca.Function("point", [ca.vertcat(*inputs)], [column])(numbers))[:, 0]
+
+
+LIGHT_CASES = [("rod", term, points) for term in list(LIGHT)[:2] for points in (MIDDLE, CORNERS, SCREW)]
+LIGHT_CASES += [(name, term, points) for name in CONSTRAINED for term in LIGHT for points in (MIDDLE, SCREW)]
+
+
+@pytest.mark.parametrize(("name", "term", "points"), LIGHT_CASES, ids=word)
+def test_light_variant_is_all_but_the_hessian_of_the_same_rows(name, term, points):
+    density = traced(name)
+    layout = Layout(density.lagrangian.fields, REPRESENTATIONS["quaternion"])
+    whole, light = (point_program(density, layout, given, points, ()) for given in (term, LIGHT[term]))
+    assert [row for _, row, _ in light.lanes] == [row for _, row, _ in whole.lanes]
+    found, less = (outputs(density, program, seed=2) for program in (whole, light))
+    count = density.constraints.numel() if term == "constraint_point" else 1
+    assert len(less) == count * (1 + 2 * layout.rows)
+    assert_allclose(less, found[: len(less)], rtol=1e-13)
+
+
+@pytest.mark.parametrize("points", [MIDDLE, SCREW], ids=word)
+@pytest.mark.parametrize("name", CONSTRAINED)
+def test_constraints_and_their_derivatives(name, points):
+    """∂g and the Hessian of λ·g by central differences."""
+    density = traced(name)
+    layout = Layout(density.lagrangian.fields, REPRESENTATIONS["quaternion"])
+    program = point_program(density, layout, "constraint_point", points, ())
+    size, count = 2 * layout.rows, density.constraints.numel()
+    inputs = ca.vertcat(*program.uniforms, *(symbol for symbol, _, _ in program.lanes))
+    function = ca.Function("point", [inputs], [ca.vertcat(*[value for _, value in program.stores])])
+    rng = np.random.default_rng(5)
+    first, multiplier = len(program.uniforms), rng.normal(size=count)
+    numbers = rng.normal(size=inputs.numel())
+    numbers[-count:] = multiplier
+
+    def at(z: np.ndarray) -> np.ndarray:
+        numbers[first : first + size] = z
+        return np.array(function(numbers))[:, 0]
+
+    z = numbers[first : first + size].copy()
+    whole = at(z)
+    jacobian = whole[count : count * (1 + size)].reshape(count, size)
+    hessian = np.zeros((size, size))
+    hessian[np.triu_indices(size)] = whole[count * (1 + size) :]
+    hessian += np.triu(hessian, 1).T
+    assert_allclose(jacobian, stepped(lambda z: at(z)[:count], z), atol=1e-7 * np.abs(jacobian).max())
+    pulled = stepped(lambda z: multiplier @ at(z)[count : count * (1 + size)].reshape(count, size), z)
+    assert_allclose(hessian, pulled, atol=1e-7 * np.abs(hessian).max())

@@ -40,7 +40,7 @@ def test_times_of_single_strains_do_not_add_up():
 
 def test_model_lists_it():
     rod = Rod(SECTION, length=1.0, elements=2, damping=damping.retardation(1e-3))
-    assert "kg, retardation 0.001 s" in str(Model(rod))
+    assert "radius 0.01 m, retardation 0.001 s" in str(Model(rod))
 
 
 @pytest.mark.parametrize(

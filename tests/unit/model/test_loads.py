@@ -95,7 +95,7 @@ def test_text(rod):
     assert load.described("boom") == "line force on boom: (0, 0.5, 0) N/m, space frame, 1 s <= t"
 
 
-PORT = "a node of a rod, such as rod.start, rod.end or rod.node(k)"
+PORT = "a node of a rod, such as rod.start, rod.end or rod.node(k), or body.centre"
 
 
 @pytest.mark.parametrize(

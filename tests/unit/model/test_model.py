@@ -10,6 +10,8 @@ from cayley.model import Model, Rod, loads, supports
 
 UP = (0.0, 0.0, 1.0)
 
+LISTED = "Model: a part is a list, but must be a Rod or a Body; write Model(*parts)"
+
 
 def torque(t):
     return (t, 0.0, 0.0)
@@ -98,6 +100,8 @@ def test_listing(rod, nameless):
         "Model: 1 rod, 1 element, 2 nodes, 2.46615 kg",
         "  parts",
         "    rod: 1 m, 1 element, circle of radius 0.01 m, 2.46615 kg",
+        "  warnings",
+        "    rod is neither held nor connected to another part; it flies free",
     ]
 
 
@@ -153,9 +157,13 @@ def test_loads_that_only_pull_at_a_support(refused, nameless, hold, load, kind, 
 @pytest.mark.parametrize(
     ("call", "error", "line"),
     [
-        (lambda rod, other: Model(), ValueError, "Model: there are no parts; give at least one Rod"),
-        (lambda rod, other: Model([rod]), TypeError, "Model: a part is a list, but must be a Rod; write Model(*rods)"),
-        (lambda rod, other: Model(rod.section), TypeError, "Model: a part is a Section, but must be a Rod"),
+        (lambda rod, other: Model(), ValueError, "Model: there are no parts; give at least one Rod or Body"),
+        (
+            lambda rod, other: Model([rod]),
+            TypeError,
+            "Model: a part is a list, but must be a Rod or a Body; write Model(*parts)",
+        ),
+        (lambda rod, other: Model(rod.section), TypeError, "Model: a part is a Section, but must be a Rod or a Body"),
         (
             lambda rod, other: Model(rod, rod),
             ValueError,

@@ -38,7 +38,7 @@ def turned(p, v):
 def test_frame_of_the_paper():
     rod = make(direction=(0, 0, -1), normal=(1, 0, 0))
     assert rod.rotation.tolist() == [0.0, 1.0, 0.0, 0.0]
-    assert rod.frame.tolist() == np.diag([1.0, -1.0, -1.0]).tolist()
+    assert rod.frame().tolist() == np.diag([1.0, -1.0, -1.0]).tolist()
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_frame_with_a_normal(direction, normal):
     across = np.cross(np.cross(direction, normal), direction)
     assume(np.linalg.norm(across) > 1e-4)
     rod = make(direction=direction, normal=normal)
-    d1, d2, d3 = rod.frame.T
+    d1, d2, d3 = rod.frame().T
     np.testing.assert_allclose(d3, direction / np.linalg.norm(direction), atol=5e-15)
     np.testing.assert_allclose(d1, across / np.linalg.norm(across), atol=1e-9)
     np.testing.assert_allclose(d2, np.cross(d3, d1), atol=5e-15)
@@ -177,7 +177,11 @@ def test_refusals(refused, changes, error, line):
 
 
 def test_section_refused(refused):
-    refused(lambda: Rod(0.1, length=1.0, elements=1), TypeError, "Rod: section = 0.1 must be a Section")
+    refused(
+        lambda: Rod(0.1, length=1.0, elements=1),
+        TypeError,
+        "Rod: section = 0.1 must be a Section, one for each element, or a function of s that returns one",
+    )
 
 
 @pytest.mark.parametrize(
@@ -194,7 +198,7 @@ def test_section_refused(refused):
         (lambda rod: rod.at(2.1), ValueError, "Rod: s = 2.1 must be at a node, such as 1.5 m (node 3) or 2 m (node 4)"),
         (lambda rod: rod.at(-1), ValueError, "Rod: s = -1 must be at a node, such as 0 m (node 0) or 0.5 m (node 1)"),
         (lambda rod: rod.at(math.nan), ValueError, "Rod: s = nan must be a finite number [m]"),
-        (lambda rod: Port(SECTION, 0), TypeError, f"Port: part = {SECTION!r} must be a Rod"),
+        (lambda rod: Port(SECTION, 0), TypeError, f"Port: part = {SECTION!r} must be a Rod or a Body"),
     ],
 )
 def test_port_refusals(refused, call, error, line):

@@ -32,7 +32,7 @@ def test_text(rod):
     assert supports.hold(rod.end, position="xyz").kind == "pin"
 
 
-PORT = "a node of a rod, such as rod.start, rod.end or rod.node(k)"
+PORT = "a node of a rod, such as rod.start, rod.end or rod.node(k), or body.centre"
 COMPONENTS = 'letters out of "xyz", each once (such as "xz"), or three truth values'
 
 

@@ -35,7 +35,7 @@ class Action:
     def strain(self, values, time, s, slope):
         values = {k: Turn(v) if k in self.turns else v for k, v in values.items()}
         point = SimpleNamespace(**values, **slope, **{self.along: s}, t=time)
-        return STRAIN[self.lagrangian.name](point, SimpleNamespace(**self.constants))
+        return STRAIN[self.lagrangian.name](point, SimpleNamespace(**(self.lagrangian.defaults | self.constants)))
 
     def kinetic(self, before, after, time):
         velocity = {}

@@ -104,7 +104,7 @@ STRANGER = round_rod(4, name="stranger")
 @pytest.mark.parametrize(
     ("initial", "message"),
     [
-        ({"mast": {}}, r"initial: 'mast' is no rod of the model; its rods are rod$"),
+        ({"mast": {}}, r"initial: 'mast' is no part of the model; its parts are rod$"),
         ({"rod": {"speed": (1, 0, 0)}}, r"initial\['rod'\]\['speed'\] is unknown; give position, rotation, velocity, "),
         ({"rod": {"velocity": (1, 0)}}, r"initial\['rod'\]\['velocity'\] has shape \(2,\); give \(5, 3\) or \(3,\)$"),
         ({"rod": {"velocity": np.zeros((4, 3))}}, r"has shape \(4, 3\); give \(5, 3\) or \(3,\)$"),

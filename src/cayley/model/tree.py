@@ -1,0 +1,56 @@
+"""The listing of a model: what `print(model)` shows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cayley.model.body import PointMass
+from cayley.model.loads import Gravity
+from cayley.model.part import Part
+from cayley.model.rod import Rod
+
+if TYPE_CHECKING:
+    from cayley.model.model import Model
+
+
+def tree(model: Model) -> list[str]:
+    """Lines of the listing: counts, parts, supports, joints, springs, loads, and what looks odd."""
+    rods = model.rods
+    masses = sum(isinstance(part, PointMass) for part in model.parts)
+    counts = [(len(rods), "rod"), (len(model.parts) - len(rods) - masses, "body"), (masses, "mass")]
+    elements = sum(rod.elements for rod in rods)
+    nodes = sum(part.node_count for part in model.parts)
+    told = [_counted(number, noun) for number, noun in counts if number]
+    told += [_counted(elements, "element")] if rods else []
+    lines = [f"Model: {', '.join(told)}, {_counted(nodes, 'node')}, {model.mass:g} kg", "  parts"]
+    lines += [
+        f"    {name}: {_size(part)}, {part.mass:g} kg" for part, name in zip(model.parts, model.names, strict=True)
+    ]
+    lines += _section(
+        "supports",
+        [f"{s.kind} at {s.port.called(model.name_of(s.port.part))}" for s in model.supports]
+        + [model.described(guide) for guide in model.guides],
+    )
+    lines += _section("joints", [model.described(joint) for joint in model.joints])
+    lines += _section("springs", [model.described(spring) for spring in model.springs])
+    lines += _section(
+        "loads",
+        [str(load) if isinstance(load, Gravity) else load.described(model.name_of(load.part)) for load in model.loads],
+    )
+    return lines + _section("warnings", list(model.warnings))
+
+
+def _size(part: Part) -> str:
+    if isinstance(part, Rod):
+        damped = "" if part.damping is None else f", {part.damping}"
+        return f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.stations.name}{damped}"
+    return "point mass" if isinstance(part, PointMass) else "rigid body"
+
+
+def _section(heading: str, lines: list[str]) -> list[str]:
+    return [f"  {heading}", *(f"    {line}" for line in lines)] if lines else []
+
+
+def _counted(number: int, noun: str) -> str:
+    plural = {"body": "bodies", "mass": "masses"}.get(noun, f"{noun}s")
+    return f"{number} {noun if number == 1 else plural}"

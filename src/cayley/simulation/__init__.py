@@ -1,0 +1,221 @@
+"""Run a model or any compiled Lagrangian through time."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cayley.choice import Choice, Task, choose
+from cayley.choice.costs import seconds_of_loads
+from cayley.choice.schedule import Schedule, schedule
+from cayley.discrete import rules
+from cayley.discrete.rules import Rule
+from cayley.model import Model
+from cayley.model.loads import Gravity
+from cayley.results.trajectory import Trajectory
+from cayley.simulation.failure import SimulationError
+from cayley.simulation.run import run as _run
+from cayley.simulation.run import spacing_of, span_of
+from cayley.simulation.start import start_of_model, start_of_system
+from cayley.system.discretize import spans
+from cayley.system.system import State, System
+
+CANDIDATES = (rules.verlet, rules.midpoint, rules.galerkin(time=2), rules.galerkin(time=3))
+"""Rules among which an accuracy chooses; all have the same nodes."""
+ATTEMPTS = 4
+"""How often a rule and step are chosen, when runs stop that their trials promised."""
+
+
+def simulate(
+    model: Model,
+    t_end: float,
+    dt: float | None = None,
+    *,
+    rule: Rule | None = None,
+    accuracy: float | None = None,
+    save_every: float | None = None,
+    initial: Mapping[Any, Mapping[str, Any]] | None = None,
+    rotation: str = "quaternion",
+    balance: bool = False,
+    allow_unstable: bool = False,
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Run a model from its reference configuration, or from what ``initial`` says.
+
+    Args:
+        model: rods, supports and loads.
+        t_end: end of the run [s].
+        dt: upper bound of the time step [s], fitted to the saves; without it and accuracy, 0.9 of the guaranteed step
+            limit.
+        rule: quadrature rule; verlet, or the one that accuracy chooses, without it.
+        accuracy: largest wanted error of positions from steps in time, relative to the extent of the model, instead of
+            dt: step and, if it is not given, rule are chosen; run.why tells how.
+        save_every: time between saved frames [s]; a hundredth of the run without it.
+        initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
+            angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
+        rotation: "quaternion" or "matrix".
+        balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the
+            Lagrangian it is kept anyway.
+        allow_unstable: run even with a step over the limit.
+        progress: called with (fraction done, time [s]) now and then.
+
+    Returns: the Trajectory.
+
+    Raises:
+        ValueError: if an argument does not fit, dt is over the step limit, or no rule reaches the accuracy.
+        SimulationError: if a step is not solved or the motion blows up.
+
+    Source: Leitz, Ober-Blöbaum, Leyendecker (2014).
+    """
+    if not isinstance(model, Model):
+        raise TypeError(
+            f"simulate: {model!r} is no Model; for a Lagrangian of your own use cy.compile and cy.integrate"
+        )
+    if rule is not None and not isinstance(rule, Rule):
+        raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
+    begin = start_of_model(model, rotation, initial, account=balance)
+
+    def run(rule: Rule, dt: float | None) -> Trajectory:
+        system, state = begin(rule)
+        parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
+        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress}
+        return _run(system, state, t_end, dt, save_every, **options, model=model, parts=parts)
+
+    if accuracy is None:
+        return run(rule or rules.verlet, dt)
+    _check_accuracy(accuracy, dt)
+    task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
+    return _run_chosen(task, _candidates(rule, begin), run)
+
+
+def advise(
+    model: Model,
+    t_end: float,
+    accuracy: float,
+    *,
+    rule: Rule | None = None,
+    save_every: float | None = None,
+    initial: Mapping[Any, Mapping[str, Any]] | None = None,
+    rotation: str = "quaternion",
+) -> Choice:
+    """Compare rules for a run of a model without running it; the arguments are those of simulate.
+
+    Returns: the Choice, with all alternatives tried.
+
+    Raises:
+        ValueError: if an argument does not fit or no rule reaches the accuracy.
+    """
+    _check_accuracy(accuracy, None)
+    begin = start_of_model(model, rotation, initial)
+    task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
+    return choose(task, _candidates(rule, begin), thorough=True)
+
+
+def integrate(
+    system: System,
+    start: Mapping[str, Any] | State,
+    t_end: float,
+    dt: float | None = None,
+    *,
+    accuracy: float | None = None,
+    save_every: float | None = None,
+    t_start: float = 0.0,
+    allow_unstable: bool = False,
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Run a compiled Lagrangian from given fields and velocities.
+
+    Args:
+        system: made by ``cy.compile``.
+        start: field -> values at the nodes, field_t -> velocities (zero where absent); or a State to go on from.
+        t_end: end of the run [s].
+        dt: upper bound of the time step [s], fitted to the saves; without it and accuracy, the step of a State that has
+            run, else 0.9 of the guaranteed step limit.
+        accuracy: largest wanted error of positions from steps in time, relative to the extent of the system at the
+            start, instead of dt: the step is chosen. Of a single node it is relative to its way, and rotations count
+            in radians.
+        save_every: time between saved frames [s]; a hundredth of the run without it.
+        t_start: time of the start [s].
+        allow_unstable: run even with a step over the limit.
+        progress: called with (fraction done, time [s]) now and then.
+
+    Returns: the Trajectory.
+
+    Raises:
+        ValueError: if the start or another argument does not fit, dt is over the step limit, or the accuracy is not
+            reached.
+        SimulationError: if a step is not solved or the motion blows up.
+    """
+    if not isinstance(system, System):
+        raise TypeError(f"integrate: {system!r} is no compiled system; make one with cy.compile(lagrangian, rule=...)")
+    state = start_of_system(system, start, t_start)
+
+    def run(rule: Rule, dt: float | None) -> Trajectory:
+        return _run(system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress)
+
+    rule = system.equations.rule
+    if accuracy is None:
+        return run(rule, dt)
+    _check_accuracy(accuracy, dt)
+    return _run_chosen(_task(lambda _: (system, state), t_end, save_every, accuracy, rule), [rule], run)
+
+
+def _check_accuracy(accuracy: Any, dt: float | None) -> None:
+    if dt is not None:
+        raise ValueError(f"dt = {dt!r} and accuracy = {accuracy!r} are given; give one of them")
+    if isinstance(accuracy, bool) or not isinstance(accuracy, int | float | np.floating) or not 1e-12 < accuracy < 0.5:
+        raise ValueError(f"accuracy is {accuracy!r}; give a number between 1e-12 and 0.5, such as 1e-3")
+
+
+def _candidates(rule: Rule | None, begin: Callable[[Rule], tuple[System, State]]) -> tuple[Rule, ...]:
+    if rule is not None:
+        return (rule,)
+    forced = begin(CANDIDATES[0])[0].equations.density.force is not None
+    return tuple(r for r in CANDIDATES if not (forced and r.implicit))  # implicit rules take no such forces yet
+
+
+def _task(
+    begin: Callable[[Rule], tuple[System, State]],
+    t_end: float,
+    save_every: float | None,
+    accuracy: float,
+    rule: Rule,
+    model: Model | None = None,
+) -> Task:
+    """What is to be chosen for; the rule is one whose nodes are those of all candidates."""
+    system, state = begin(rule)
+    span = span_of(state, t_end)
+    starts = [load.start for load in (model.loads if model else ()) if not isinstance(load, Gravity)]
+    return Task(
+        begin=begin,
+        nodes=system.size,
+        span=span,
+        save_every=spacing_of(save_every, span),
+        accuracy=accuracy,
+        loads=seconds_of_loads(system),
+        constrained=system.equations.density.constraints.numel() > 0,
+        busy_after=max((start for start in starts if start < t_end), default=0.0),
+    )
+
+
+def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float | None], Trajectory]) -> Trajectory:
+    """Choose and run; where a run stops that its trials promised, choose again by trials of whole runs."""
+    told = ""
+    for attempt in range(ATTEMPTS):
+        choice = choose(task, rules)
+        best = choice.best
+        try:
+            trajectory = run(best.rule, best.dt)
+        except SimulationError as error:
+            if attempt == ATTEMPTS - 1:
+                raise
+            told = f" Before, {best.rule} with dt = {best.dt:.3g} s stopped at t = {error.partial.time[-1]:.3g} s."
+            task = replace(task, whole=True, limits={**task.limits, best.rule: 0.5 * best.dt})
+        else:
+            break
+    trajectory.info |= {"error_estimate": best.error, "why": choice.why + told}
+    return trajectory
+
+
+__all__ = ["Choice", "Schedule", "SimulationError", "advise", "integrate", "schedule", "simulate"]

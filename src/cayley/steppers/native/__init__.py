@@ -1,0 +1,70 @@
+"""The compiled steppers: C sources, built when the package is installed (docs/adr/0007), and how Python calls them."""
+
+import ctypes
+import functools
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).parent
+_TYPES = {"i64": ctypes.c_int64, "double": ctypes.c_double}
+
+
+@functools.cache
+def library(lanes: int, *, pose: bool = False) -> Any:
+    """The functions of engine.h for vectors of so many doubles; pose: for nodes of one rotation and one position.
+
+    Raises:
+        ImportError: if the package was installed without them.
+    """
+    path = HERE / f"engine_{lanes}{'_pose' * pose}.so"
+    if not path.exists():
+        raise ImportError(
+            f"cayley: {path.name} is missing; install cayley again (pip install --force-reinstall cayley)"
+        )
+    found = ctypes.CDLL(str(path))
+    for name in ("order_blocks", "matrix_size", "pivot_count", "advance", "project", "factorize"):
+        getattr(found, name).restype = ctypes.c_int64
+    return found
+
+
+@functools.cache
+def structure(name: str) -> type[ctypes.Structure]:
+    """The struct of that name in engine.h, its pointers as addresses."""
+    text = (HERE / "engine.h").read_text()
+    body = re.search(rf"^struct {name} {{\n(.*?)^}};", text, re.MULTILINE | re.DOTALL)
+    assert body is not None, name
+    fields = []
+    for line in re.sub(r"/\*.*?\*/", "", body[1], flags=re.DOTALL).splitlines():
+        found = re.fullmatch(r"\s*(?:struct )?(\w+) (\*?)(\w+);\s*", line)
+        if found:
+            fields.append((found[3], ctypes.c_void_p if found[2] else _TYPES[found[1]]))
+    return type(name, (ctypes.Structure,), {"_fields_": fields})
+
+
+def fill(name: str, values: Mapping[str, Any]) -> Any:
+    """A struct with all its fields: numbers, and arrays that the caller keeps alive.
+
+    Raises:
+        TypeError: if a field is missing, unknown, or an array of the wrong type.
+    """
+    kind = structure(name)
+    fields = dict(kind._fields_)  # type: ignore[misc]
+    if set(fields) != set(values):
+        raise TypeError(f"struct {name}: {sorted(set(fields) ^ set(values))} are missing or unknown")
+    made = kind()
+    for field, value in values.items():
+        if isinstance(value, np.ndarray):
+            if value.dtype not in (np.float64, np.int64) or not value.flags.c_contiguous:
+                raise TypeError(f"struct {name}: {field} is no contiguous array of 64-bit numbers")
+            value = value.ctypes.data
+        setattr(made, field, value)
+    return made
+
+
+def address(array: np.ndarray) -> ctypes.c_void_p:
+    """Where an array begins."""
+    return ctypes.c_void_p(array.ctypes.data)

@@ -1,0 +1,234 @@
+/* Rules with corners in time and constraints: SHAKE between saved frames, RATTLE at them.
+ *
+ * With P the momentum after the inertia of a step, F the forces at a time node and i the impulses of the multipliers,
+ *
+ *     P + h F(q_j) + G'(q_j) i = -D_0 T_d(q_j, q_j+1),   g(q_j+1) = 0   ->   q_j+1, i;      P = D_1 T_d(q_j, q_j+1)
+ *
+ * by Newton's method with the matrix of q_j: M v + G' n = 0, h G v = -g.
+ *
+ * Source: Ryckaert, Ciccotti, Berendsen (1977); Andersen (1983); Hairer, Lubich, Wanner (2006), section VII.1.4.
+ */
+#include <math.h>
+#include <string.h>
+#include "engine.h"
+
+static const i64 MOST_PASSES = 50;
+
+typedef i64 (*kernel)(double *, double *, i64, i64);
+typedef void (*prepare)(double *);
+
+static double *row_of(struct explicit_run *e, i64 block, i64 row)
+{
+    return e->data + (block * e->rows + row) * LANES;
+}
+
+/* Give a kernel its step and times. */
+static double *times(struct explicit_run *e, i64 which, i64 setup, double h, i64 number, i64 following)
+{
+    struct problem *p = e->problem;
+    double *u = e->uniforms + which * e->width;
+    u[0] = h, u[1] = p->origin + (p->first + (double)number) * p->h;
+    u[2] = p->origin + (p->first + (double)following) * p->h;
+    ((prepare)setup)(u);
+    return u;
+}
+
+/* Add part times the time-dependent loads to their rows. */
+static void load(struct explicit_run *e, i64 number, double part)
+{
+    for (i64 n = 0; n < e->entry_count; n++) {
+        const i64 *entry = e->entries + 6 * n, lane = entry[1], form = entry[4];
+        const double *given = e->table + number * e->columns + entry[5];
+        double s = part * e->scales[n], u = s * given[0], v = s * given[1], w = s * given[2];
+        if (form) {
+            const double *p = row_of(e, entry[0], entry[3]) + lane;
+            double r = 2.0 * p[0] * (form == 2 ? 1.0 : -1.0), x = p[LANES], y = p[2 * LANES], z = p[3 * LANES];
+            double a = y * w - z * v, b = z * u - x * w, c = x * v - y * u;
+            u += r * a + 2.0 * (y * c - z * b), v += r * b + 2.0 * (z * a - x * c), w += r * c + 2.0 * (x * b - y * a);
+        }
+        double *out = row_of(e, entry[0], entry[2]) + lane;
+        out[0] += u, out[LANES] += v, out[2 * LANES] += w;
+    }
+}
+
+/* Add part times all forces to the momenta; known: whether velocities are those of a saved frame. */
+static void kick(struct explicit_run *e, i64 number, double part, i64 known)
+{
+    if (e->predict) {
+        load(e, number, 1.0);
+        double *u = times(e, 2, e->predict_setup, known ? 0.0 : e->problem->h, number, number + 1);
+        ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
+    }
+    double *u = times(e, 0, e->kick_setup, part, number, number);
+    ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
+    if (!e->predict) load(e, number, part);
+}
+
+/* Copy values (to control i) and, if wanted, momenta out of the blocks. */
+static void collect(struct explicit_run *e, i64 i, double *momenta)
+{
+    struct problem *p = e->problem;
+    for (i64 n = 0; n < p->nodes; n++) {
+        const i64 *slot = e->slot + 4 * n;
+        const double *value = row_of(e, slot[0], slot[2]) + slot[1], *mu = row_of(e, slot[0], slot[3]) + slot[1];
+        double *out = p->control + (i * (p->nodes + 1) + n) * p->rows;
+        for (i64 k = 0; k < p->rows; k++) out[k] = value[k * LANES];
+        for (i64 d = 0; d < p->dofs && momenta; d++) momenta[n * p->dofs + d] = mu[d * LANES];
+    }
+}
+
+static void put_momenta(struct explicit_run *e, const double *momenta)
+{
+    struct problem *p = e->problem;
+    for (i64 n = 0; n < p->nodes; n++) {
+        const i64 *slot = e->slot + 4 * n;
+        double *mu = row_of(e, slot[0], slot[3]) + slot[1];
+        for (i64 d = 0; d < p->dofs; d++) mu[d * LANES] = momenta[n * p->dofs + d];
+    }
+}
+
+/* Copy the blocks that constraints know. */
+static void copy_known(struct explicit_run *e, double *to, const double *from)
+{
+    for (i64 n = 0; n < e->span_count; n++) {
+        const i64 *span = e->spans + 3 * n;
+        i64 offset = span[0] * e->rows * LANES, size = (span[1] - span[0]) * e->rows * LANES;
+        if (span[2]) memcpy(to + offset, from + offset, (size_t)size * sizeof(double));
+    }
+}
+
+static i64 drift(struct explicit_run *e, i64 number, i64 first)
+{
+    i64 bad = 0;
+    double *u = times(e, 1, e->drift_setup, e->problem->h, number, number + 1);
+    for (i64 n = 0; n < e->span_count; n++) {
+        const i64 *span = e->spans + 3 * n;
+        if (first || span[2]) bad += ((kernel)e->drift)(e->data, u, span[0], span[1]);
+    }
+    return bad;
+}
+
+/* What rounding leaves of g. */
+static double rounding(struct problem *p)
+{
+    double most = 1.0;
+    for (i64 k = 0; k < p->nodes * p->rows; k++) {
+        double size = __builtin_fabs(p->control[k]);
+        most = size > most ? size : most;
+    }
+    return 1e-15 * (1.0 + p->extent * most);
+}
+
+/* Multipliers as forces: the last ones carried on; the first step after a frame takes them as they are. */
+static void guess(struct problem *p, i64 onward)
+{
+    for (i64 n = 0; n < p->couplings; n++) {
+        struct coupling *c = &p->coupling[n];
+        for (i64 k = 0; k < c->cells * c->gauss * c->count; k++) {
+            c->multiplier[k] = onward ? 2.0 * c->start[k] - c->kept[k] : c->start[k];
+            c->kept[k] = c->start[k];
+        }
+    }
+}
+
+/* Correct the multipliers by the solution of the saddle point. */
+static void correct(struct problem *p, double part)
+{
+    for (i64 n = 0; n < p->couplings; n++) {
+        struct coupling *c = &p->coupling[n];
+        i64 together = c->gauss * c->count;
+        for (i64 cell = 0; cell < c->cells; cell++)
+            for (i64 at = 0; at < together; at++) {
+                double weight = c->weight[(cell / LANES * c->gauss + at / c->count) * LANES + cell % LANES];
+                c->multiplier[cell * together + at] -= p->unknown[c->spot[cell] + at] / (part * weight);
+            }
+    }
+}
+
+/* One step; returns an outcome. */
+static i64 step(struct explicit_run *e, i64 number, i64 j)
+{
+    struct problem *p = e->problem;
+    double part = j ? p->h : 0.5 * p->h, time = p->origin + (p->first + (double)number) * p->h, last = INFINITY;
+    kick(e, number, part, j == 0);
+    collect(e, 0, e->given);
+    p->counts[2] = number;
+    i64 failed = saddle_point(p, number, 0, time);
+    if (failed) {
+        p->counts[3] = failed - 1;
+        return REDUNDANT;
+    }
+    guess(p, j > 1);
+    double floor = rounding(p);
+    copy_known(e, e->saved, e->data);
+    for (i64 pass = 0; pass < MOST_PASSES; pass++) {
+        if (pass) copy_known(e, e->data, e->saved);
+        memcpy(p->momenta, e->given, (size_t)((p->nodes + 1) * p->dofs) * sizeof(double));
+        push_multipliers(p, part, p->momenta);
+        put_momenta(e, p->momenta);
+        if (drift(e, number, pass == 0)) return NOT_CONVERGED;
+        collect(e, 1, 0);
+        memset(p->unknown, 0, (size_t)p->unknowns * sizeof(double));
+        double size = violations(p, number, 1, time + p->h);
+        p->counts[0]++;
+        if (pass + 1 > p->counts[1]) p->counts[1] = pass + 1;
+        if (size <= floor || (size <= 1e-11 && size > 0.5 * last)) {
+            for (i64 n = 0; n < p->couplings; n++) {
+                struct coupling *c = &p->coupling[n];
+                memcpy(c->start, c->multiplier, (size_t)(c->cells * c->gauss * c->count) * sizeof(double));
+            }
+            return FINISHED;
+        }
+        if (!(size < 1e3)) return NOT_CONVERGED;
+        last = size;
+        for (i64 n = 0; n < p->couplings; n++) {
+            struct coupling *c = &p->coupling[n];
+            for (i64 cell = 0; cell < c->cells; cell++)
+                for (i64 at = 0; at < c->gauss * c->count; at++) p->unknown[c->spot[cell] + at] /= -p->h;
+        }
+        solve(p->fronts, p->matrix, p->pivots, p->unknown);
+        correct(p, part);
+    }
+    return NOT_CONVERGED;
+}
+
+static void hold_momenta(struct explicit_run *e)
+{
+    for (i64 k = 0; k < e->fixed_count; k++) {
+        const i64 *place = e->fixed + 3 * k;
+        row_of(e, place[0], place[1])[place[2]] = 0.0;
+    }
+}
+
+/* Advance through ``saves`` saves of ``stride`` steps each; ``reached`` is the number of saves written. */
+i64 advance_explicit(struct explicit_run *e, i64 *reached)
+{
+    struct problem *p = e->problem;
+    for (*reached = 0; *reached < p->saves; ++*reached) {
+        for (i64 j = 0; j < p->stride; j++) {
+            i64 outcome = step(e, *reached * p->stride + j, j);
+            if (outcome) return outcome;
+        }
+        i64 number = (*reached + 1) * p->stride;
+        kick(e, number, 0.5 * p->h, 0);
+        hold_momenta(e);
+        collect(e, 0, p->momenta);
+        double time = p->origin + (p->first + (double)number) * p->h;
+        i64 failed = project(p, number - 1, 1, *reached, time, p->h);
+        if (failed) {
+            p->counts[3] = failed - 1;
+            return REDUNDANT;
+        }
+        put_momenta(e, p->momenta);
+        hold_momenta(e);
+        double check = 0.0;
+        for (i64 block = 0; block < e->blocks; block++) {
+            const double *from = row_of(e, block + 1, 0);
+            double *to = e->frames + (*reached * e->blocks + block) * e->kept * LANES;
+            memcpy(to, from, (size_t)(e->kept * LANES) * sizeof(double));
+            for (i64 k = 0; k < e->kept * LANES; k++) check += 0.0 * to[k];
+        }
+        if (!isfinite(check)) return NOT_FINITE;
+    }
+    return FINISHED;
+}

@@ -1,0 +1,301 @@
+/* The parts of the action at their quadrature points, contracted with the interpolation: residual, momenta and tangent.
+ *
+ * Up to those points everything is linear in the control nodes, so gradients y and Hessians J of a part contract as
+ *
+ *     D_(a,i) L = sum over stages k and points g of w_k h W_g P_a' (l_ki y + l'_ki/h y'),     P_a = (phi_ga, psi_ga)
+ *
+ * and are left-trivialized then, LANES cells at a time.
+ */
+#include <string.h>
+#include "lanes.h"
+
+typedef i64 (*kernel)(double *, double *, i64, i64);
+typedef void (*prepare)(double *);
+
+static void evaluate(struct term *t, double *data, double *uniforms, i64 tangent)
+{
+    ((kernel)(tangent ? t->run : t->light_run))(data, uniforms, 0, t->gauss);
+}
+
+/* phi or psi of a point and node, in lanes; scalar tells whether it vanishes. */
+static inline vec shape(const struct term *t, i64 block, i64 slot, i64 g, i64 a, int *zero)
+{
+    double value = (slot ? t->psi : t->phi)[g * t->width + a];
+    *zero = value == 0.0;
+    vec one = {0.0};
+    one = one + value;
+    return slot ? one * ((const vec *)t->inverse)[block] : one;
+}
+
+/* Inputs of the kernel at all points of a block of cells, at one stage. */
+static void interpolate(struct problem *p, struct term *t, i64 block, i64 k, double h, const vec *q, double *out,
+                        i64 rows_of_block)
+{
+    i64 rows = ROWS, width = t->width, controls = p->stages + 1;
+    vec value[width * rows], slope[width * rows];
+    for (i64 e = 0; e < width * rows; e++) {
+        vec sum = p->ell[k * controls] * q[e];
+        for (i64 i = 1; i < controls; i++) sum += p->ell[k * controls + i] * q[i * width * rows + e];
+        value[e] = sum;
+        if (!t->rates) continue;
+        sum = p->dell[k * controls] * q[e];
+        for (i64 i = 1; i < controls; i++) sum += p->dell[k * controls + i] * q[i * width * rows + e];
+        slope[e] = sum / h;
+    }
+    for (i64 g = 0; g < t->gauss; g++) {
+        vec *data = (vec *)(out + g * rows_of_block * LANES);
+        for (i64 s = 0; s < t->slots; s++)
+            for (i64 row = 0; row < rows; row++) {
+                vec sum = {0.0}, rate = {0.0};
+                for (i64 a = 0; a < width; a++) {
+                    int zero;
+                    vec factor = shape(t, block, s, g, a, &zero);
+                    if (zero) continue;
+                    sum += factor * value[a * rows + row];
+                    if (t->rates) rate += factor * slope[a * rows + row];
+                }
+                data[s * rows + row] = sum;
+                if (t->rates) data[(t->slots + s) * rows + row] = rate;
+            }
+        memcpy(data + t->constant_row, t->constant + (block * t->gauss + g) * t->constants * LANES,
+               (size_t)(t->constants * LANES) * sizeof(double));
+    }
+}
+
+/* Add the gradients of a block of cells at one stage to y[i][a][row]. */
+static void pull(struct problem *p, struct term *t, i64 block, i64 k, double h, const double *at, i64 rows_of_block,
+                 vec *y)
+{
+    i64 rows = ROWS, width = t->width, controls = p->stages + 1;
+    for (i64 a = 0; a < width; a++) {
+        vec value[rows], slope[rows];
+        memset(value, 0, sizeof value);
+        memset(slope, 0, sizeof slope);
+        for (i64 g = 0; g < t->gauss; g++) {
+            const vec *data = (const vec *)(at + g * rows_of_block * LANES) + t->gradient;
+            for (i64 s = 0; s < t->slots; s++) {
+                int zero;
+                vec factor = shape(t, block, s, g, a, &zero) * ((const vec *)t->weight)[block * t->gauss + g];
+                if (zero) continue;
+                for (i64 row = 0; row < rows; row++) value[row] += factor * data[s * rows + row];
+                if (t->rated)
+                    for (i64 row = 0; row < rows; row++) slope[row] += factor * data[(t->slots + s) * rows + row];
+            }
+        }
+        for (i64 i = 0; i < controls; i++) {
+            double c = p->weights[k] * h * p->ell[k * controls + i], d = p->weights[k] * p->dell[k * controls + i];
+            vec *out = y + (i * width + a) * rows;
+            for (i64 row = 0; row < rows; row++) out[row] += c * value[row];
+            if (t->rated)
+                for (i64 row = 0; row < rows; row++) out[row] += d * slope[row];
+        }
+    }
+}
+
+/* The four parts of J for a pair of nodes at one stage: u u, u u', u' u, u' u'. */
+static void pair(struct problem *p, const struct term *t, i64 block, const double *at, i64 a, i64 b, vec *parts)
+{
+    (void)p;
+    i64 square = ROWS * ROWS;
+    memset(parts, 0, (size_t)(4 * square) * sizeof(vec));
+    for (i64 g = 0; g < t->gauss; g++) {
+        const vec *data = (const vec *)(at + g * t->rows * LANES);
+        vec weight = ((const vec *)t->weight)[block * t->gauss + g];
+        for (i64 s = 0; s < t->slots; s++) {
+            int none, zero;
+            vec left = shape(t, block, s, g, a, &none) * weight;
+            for (i64 u = 0; u < t->slots && !none; u++) {
+                vec factor = left * shape(t, block, u, g, b, &zero);
+                if (zero) continue;
+                for (i64 part = 0; part < 4; part++) {
+                    i64 out = part / 2, in = part % 2;
+                    if ((out && !t->rated) || (in && !t->rates)) continue;
+                    i64 which = (out * t->slots + s) * t->slots * (1 + t->rates) + in * t->slots + u;
+                    vec *sum = parts + part * square;
+                    for (i64 e = t->starts[which]; e < t->starts[which + 1]; e++)
+                        sum[t->entries[2 * e]] += factor * data[t->entries[2 * e + 1]];
+                }
+            }
+        }
+    }
+}
+
+static void tangents(struct problem *p, struct term *t, i64 block, double h, const vec *q, const vec *y, vec *room)
+{
+    i64 rows = ROWS, dofs = DOFS, r = p->stages, controls = r + 1, width = t->width, square = rows * rows;
+    const i64 *nodes = t->nodes + block * LANES * width;
+    i64 active = t->cells - block * LANES < LANES ? t->cells - block * LANES : LANES;
+    vec *over = room, *parts = over + r * r * square, *half = parts + 4 * square, *out = half + rows * dofs;
+    for (i64 a = 0; a < width; a++)
+        for (i64 b = 0; b < width; b++) {
+            memset(over, 0, (size_t)(r * r * square) * sizeof(vec));
+            for (i64 k = 0; k < p->stages; k++) {
+                pair(p, t, block, t->data + k * t->gauss * t->rows * LANES, a, b, parts);
+                const double *ell = p->ell + k * controls, *dell = p->dell + k * controls;
+                double w = p->weights[k];
+                for (i64 i = 0; i < r; i++)
+                    for (i64 j = 1; j < controls; j++) {
+                        vec *sum = over + (i * r + j - 1) * square;
+                        double c[4] = {w * h * ell[i] * ell[j], w * ell[i] * dell[j], w * dell[i] * ell[j],
+                                       w * dell[i] * dell[j] / h};
+                        for (i64 part = 0; part < 4; part++) {
+                            if ((part / 2 && !t->rated) || (part % 2 && !t->rates)) continue;
+                            for (i64 e = 0; e < square; e++) sum[e] += c[part] * parts[part * square + e];
+                        }
+                    }
+            }
+            const i64 *places = t->places + ((block * LANES * width + a) * width + b) * 2;
+            for (i64 i = 0; i < r; i++)
+                for (i64 j = 1; j < controls; j++) {
+                    const vec *left = q + (i * width + a) * rows, *right = q + (j * width + b) * rows;
+                    pair_tangent(p, over + (i * r + j - 1) * square, left, right, half, out);
+                    if (i == j && a == b) turned(p, y + (i * width + a) * rows, left, out);
+                    if (t->held[block]) mask(p, nodes, width, a, b, out);
+                    scatter_pair(p, places, 2 * width * width, active, i, j - 1, out);
+                }
+        }
+}
+
+/* Add residuals and momenta of a block of cells. */
+static void scatter(struct problem *p, struct term *t, i64 block, const vec *q, const vec *y)
+{
+    i64 rows = ROWS, dofs = DOFS, r = p->stages, width = t->width;
+    i64 active = t->cells - block * LANES < LANES ? t->cells - block * LANES : LANES;
+    vec out[dofs];
+    for (i64 i = 0; i <= r; i++)
+        for (i64 a = 0; a < width; a++) {
+            trivialize_lanes(p, y + (i * width + a) * rows, q + (i * width + a) * rows, out);
+            for (i64 lane = 0; lane < active; lane++) {
+                i64 node = t->nodes[(block * LANES + lane) * width + a];
+                double *sum = i < r ? p->residual + (node * r + i) * dofs : p->after + node * dofs;
+                for (i64 d = 0; d < dofs; d++) sum[d] += out[d][lane];
+            }
+        }
+}
+
+/* Add work and loss of a force at one stage to its account. */
+static void book(struct problem *p, struct term *t, i64 block, i64 k, double h, const double *at, i64 rows_of_block)
+{
+    i64 size = t->slots * ROWS;
+    vec work = {0.0}, loss = {0.0};
+    for (i64 g = 0; g < t->gauss; g++) {
+        const vec *data = (const vec *)(at + g * rows_of_block * LANES);
+        vec weight = ((const vec *)t->weight)[block * t->gauss + g];
+        if (t->account >= 0) {
+            work += weight * data[t->account], loss += weight * data[t->account + 1];
+            continue;
+        }
+        for (i64 e = 0; e < size; e++) loss -= weight * data[t->gradient + e] * data[size + e];
+    }
+    for (i64 lane = 0; lane < LANES; lane++) {
+        t->work[0] += p->weights[k] * h * work[lane];
+        t->work[1] += p->weights[k] * h * loss[lane];
+    }
+}
+
+static void add_term(struct problem *p, struct term *t, double begin, double h, i64 tangent)
+{
+    i64 rows = ROWS, width = t->width, controls = p->stages + 1;
+    double *uniforms = tangent ? t->uniforms : t->light_uniforms;
+    i64 uniform_width = tangent ? t->uniform_width : t->light_width, block_rows = tangent ? t->rows : t->light_rows;
+    vec *q = (vec *)p->cells, *y = q + controls * width * rows, *room = y + controls * width * rows;
+    t->work[0] = t->work[1] = 0.0;
+    for (i64 k = 0; k < p->stages; k++) {
+        uniforms[k * uniform_width] = begin + p->at[k] * h;
+        ((prepare)(tangent ? t->setup : t->light_setup))(uniforms + k * uniform_width);
+    }
+    for (i64 block = 0; block * LANES < t->cells; block++) {
+        gather(p, t->nodes + block * LANES * width, width, controls, q);
+        memset(y, 0, (size_t)(controls * width * rows) * sizeof(vec));
+        for (i64 k = 0; k < p->stages; k++) {
+            double *data = t->data + k * t->gauss * block_rows * LANES;
+            interpolate(p, t, block, k, h, q, data, block_rows);
+            evaluate(t, data, uniforms + k * uniform_width, tangent);
+            pull(p, t, block, k, h, data, block_rows, y);
+            if (t->force) book(p, t, block, k, h, data, block_rows);
+        }
+        scatter(p, t, block, q, y);
+        if (tangent) tangents(p, t, block, h, q, y, room);
+    }
+}
+
+/* Residual and momenta of all terms, and their tangent. */
+void add_terms(struct problem *p, double begin, double h, i64 tangent)
+{
+    for (i64 i = 0; i < p->terms; i++) add_term(p, &p->term[i], begin, h, tangent);
+}
+
+/* Mass matrices of all nodes at the first control, [nodes + 1][dofs][dofs padded to whole vectors]. */
+void mass_matrices(struct problem *p, double time, double *mass)
+{
+    i64 rows = ROWS, dofs = DOFS, square = rows * rows, stride = (dofs + LANES - 1) / LANES * LANES;
+    vec *q = (vec *)p->cells, *parts = q + rows, *half = parts + 4 * square, *out = half + rows * dofs;
+    memset(mass, 0, (size_t)((p->nodes + 1) * dofs * stride) * sizeof(double));
+    for (i64 n = 0; n < p->inertia; n++) {
+        struct term *t = &p->term[n];
+        t->uniforms[0] = time;
+        ((prepare)t->setup)(t->uniforms);
+        for (i64 block = 0; block * LANES < t->cells; block++) {
+            gather(p, t->nodes + block * LANES, 1, 1, q);
+            vec *data = (vec *)t->data;
+            for (i64 row = 0; row < rows; row++) data[row] = q[row], data[rows + row] = q[row] * 0.0;
+            memcpy(data + t->constant_row, t->constant + block * t->constants * LANES,
+                   (size_t)(t->constants * LANES) * sizeof(double));
+            evaluate(t, t->data, t->uniforms, 1);
+            pair(p, t, block, t->data, 0, 0, parts);
+            pair_tangent(p, parts + 3 * square, q, q, half, out);
+            for (i64 lane = 0; lane < LANES && block * LANES + lane < t->cells; lane++) {
+                double *m = mass + t->nodes[block * LANES + lane] * dofs * stride;
+                for (i64 d = 0; d < dofs; d++)
+                    for (i64 e = 0; e < dofs; e++) m[d * stride + e] += out[d * dofs + e][lane];
+            }
+        }
+    }
+}
+
+/* Loads that depend on time alone, at the stages. A body moment m does the work m e with e = 2 Im(conj(z) dz)/|z|^2, so
+ * its force on z is 2 z m/|z|^2. */
+void add_loads(struct problem *p, i64 number, double h)
+{
+    i64 rows = ROWS, dofs = DOFS, r = p->stages, controls = r + 1, values = (p->nodes + 1) * rows;
+    p->energy[0] = 0.0;
+    for (i64 e = 0; e < p->entry_count; e++) {
+        const i64 *entry = p->entries + 7 * e, node = entry[0], row = entry[1], turn = entry[2], form = entry[3];
+        for (i64 k = 0; k < p->stages; k++) {
+            const double *given = p->table + (number * p->stages + k) * p->columns + entry[4];
+            double s = h * p->weights[k] * p->scales[e], z[rows], dz[rows], push[rows], out[dofs];
+            double x = s * given[0], y = s * given[1], v = s * given[2];
+            if (x == 0.0 && y == 0.0 && v == 0.0) continue;
+            for (i64 c = 0; c < rows; c++) {
+                z[c] = dz[c] = push[c] = 0.0;
+                for (i64 i = 0; i < controls; i++) {
+                    double q = p->control[i * values + node * rows + c];
+                    z[c] += p->ell[k * controls + i] * q, dz[c] += p->dell[k * controls + i] * q / h;
+                }
+            }
+            if (form) {
+                double size = z[turn] * z[turn] + z[turn + 1] * z[turn + 1] + z[turn + 2] * z[turn + 2] +
+                              z[turn + 3] * z[turn + 3];
+                double sign = form == 2 ? 1.0 : -1.0;
+                double w = z[turn], i = sign * z[turn + 1], j = sign * z[turn + 2], l = sign * z[turn + 3];
+                double a = j * v - l * y, b = l * x - i * v, c = i * y - j * x;
+                x += 2.0 * (w * a + j * c - l * b) / size, y += 2.0 * (w * b + l * a - i * c) / size;
+                v += 2.0 * (w * c + i * b - j * a) / size;
+            }
+            if (entry[5]) {
+                double w = z[row], i = z[row + 1], j = z[row + 2], l = z[row + 3];
+                double f = 2.0 / (w * w + i * i + j * j + l * l);
+                push[row] = -f * (i * x + j * y + l * v), push[row + 1] = f * (w * x + j * v - l * y);
+                push[row + 2] = f * (w * y + l * x - i * v), push[row + 3] = f * (w * v + i * y - j * x);
+            } else {
+                push[row] = x, push[row + 1] = y, push[row + 2] = v;
+            }
+            for (i64 c = 0; c < rows; c++) p->energy[0] += push[c] * dz[c];
+            for (i64 i = 0; i < controls; i++) {
+                trivialize(p, push, p->control + i * values + node * rows, out);
+                double *sum = i < r ? p->residual + (node * r + i) * dofs : p->after + node * dofs;
+                for (i64 d = 0; d < dofs; d++) sum[d] += p->ell[k * controls + i] * out[d];
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+"""Constraints of a system at one time: how far they are violated, momenta that agree with them, and their forces."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from cayley.discrete.rules import CORNERS
+from cayley.steppers import problem
+from cayley.steppers.cells import Cells, constraint_cells, inertia_cells
+from cayley.steppers.problem import Plan
+from cayley.system.system import State, System
+
+
+def constrained_nodes(system: System) -> np.ndarray:
+    """Nodes that constraints, springs and dampers know: all of a density with constraints, else those of ties."""
+    if system.equations.density.constraints.numel():
+        return np.arange(system.size)
+    ties = (*system.joints, *system.springs)
+    found = {node for tie in ties for node in (tie.first, tie.second) if node >= 0}
+    return np.array(sorted(found), dtype=np.int64)
+
+
+def make_plan(system: System, terms: list[Cells] | None = None) -> Plan:
+    """The problem of the constrained nodes of a system, one block each."""
+    nodes = constrained_nodes(system)
+    cells = [inertia_cells(system, nodes), *(terms or [])]
+    return problem.make_plan(system, nodes, CORNERS, np.arange(len(nodes)), cells, constraint_cells(system, nodes))
+
+
+def is_constrained(system: System) -> bool:
+    """Whether a system has any constraint."""
+    return bool(system.equations.density.constraints.numel() or system.joints)
+
+
+def violation(system: System, values: np.ndarray, time: float = 0.0) -> list[tuple[Cells, np.ndarray]]:
+    """The constraints g of all cells, shape (cells, gauss × count) for each kind of them."""
+    state = State(values=values, momenta=np.zeros((len(values), system.layout.dofs)), origin=time, h=1.0)
+    made = problem.make_problem(make_plan(system), state, 1, 1)
+    engine = made.engine
+    engine.violations.restype = ctypes.c_double
+    engine.violations(ctypes.byref(made.struct), *_words(0, 0), ctypes.c_double(time))
+    return _multipliers(made)
+
+
+def projected(system: System, state: State) -> tuple[np.ndarray, int]:
+    """Momenta μ − Gᵀ ν whose velocities agree with the constraints; and the node of a redundant one, or −1."""
+    plan = make_plan(system)
+    made = problem.make_problem(plan, state if state.h else state.at_step(1.0), 1, 1)
+    # drives and their rates are those of the start: of the only step its first control
+    rates_at_start(made, state)
+    time = ctypes.c_double(state.time)
+    failed = made.engine.project(ctypes.byref(made.struct), *_words(0, 0, 0), time, ctypes.c_double(1.0))
+    if failed:
+        return state.momenta, int(plan.nodes[np.flatnonzero(plan.block_of == failed - 1)[0]])
+    momenta = state.momenta.copy()
+    momenta[plan.nodes] = made.arrays["momenta"][:-1]
+    return momenta, -1
+
+
+def rates_at_start(made: problem.Problem, state: State) -> None:
+    """Let the rates of the drives be those at the state, not those at the end of a step."""
+    for cells, arrays in zip(made.plan.constraints, made.couplings, strict=True):
+        if cells.drive is not None:
+            step = 1e-4 * made.struct.h
+            ahead, behind = (cells.drive(np.array([state.time + sign * step])) for sign in (1.0, -1.0))
+            arrays["drive_rate"][:] = (ahead - behind) / (2.0 * step)
+
+
+@dataclass(frozen=True, slots=True)
+class Reactions:
+    """Solution of M a + Gᵀ ν = f, G a = s.
+
+    Args:
+        acceleration: a, shape (nodes, dofs); zero at nodes without constraints.
+        multipliers: ν of every kind of cells, shape (cells, gauss × count).
+        forces: −Gᵀ ν on the nodes of every cell, shape (cells, gauss × count, width, dofs), for every kind.
+    """
+
+    acceleration: np.ndarray
+    multipliers: list[tuple[Cells, np.ndarray]]
+    forces: list[np.ndarray]
+
+
+def reactions(system: System, state: State, force: np.ndarray, rates: list[np.ndarray]) -> Reactions:
+    """Multipliers that give accelerations the constraints allow.
+
+    Args:
+        system: the system.
+        state: values and time.
+        force: f on every node, left-trivialized, shape (nodes, dofs).
+        rates: s of every kind of cells, shape (cells, gauss × count).
+    """
+    plan = make_plan(system)
+    made = problem.make_problem(plan, state if state.h else state.at_step(1.0), 1, 1)
+    call = ctypes.byref(made.struct)
+    made.engine.saddle_point(call, *_words(0, 0), ctypes.c_double(state.time))
+    unknown, place = made.arrays["unknown"], made.arrays["place"]
+    unknown[:] = 0.0
+    dofs = np.arange(system.layout.dofs)
+    unknown[place[:, None] + dofs] = np.where(system.free, force, 0.0)[plan.nodes]
+    for arrays, rate in zip(made.couplings, rates, strict=True):
+        unknown[arrays["spot"][:, None] + np.arange(rate.shape[1])] = rate
+    addresses = [ctypes.c_void_p(made.arrays[name].ctypes.data) for name in ("matrix", "pivots", "unknown")]
+    made.engine.solve(ctypes.c_int64(plan.blocks.fronts), *addresses)
+    acceleration = np.zeros_like(force)
+    acceleration[plan.nodes] = unknown[place[:, None] + dofs]
+    multipliers = _multipliers(made)
+    forces = []
+    for (cells, values), arrays in zip(multipliers, made.couplings, strict=True):
+        slopes = np.moveaxis(arrays["slopes"], -1, 1)  # (blocks, lanes, together, width, dofs)
+        slopes = slopes.reshape(-1, *slopes.shape[2:])[: len(cells.nodes)]
+        forces.append(-values[:, :, None, None] * slopes)
+    return Reactions(acceleration, multipliers, forces)
+
+
+def _multipliers(made: problem.Problem) -> list[tuple[Cells, np.ndarray]]:
+    found = []
+    for cells, arrays in zip(made.plan.constraints, made.couplings, strict=True):
+        together = np.arange(cells.gauss * cells.count)
+        found.append((cells, made.arrays["unknown"][arrays["spot"][:, None] + together]))
+    return found
+
+
+def _words(*numbers: int) -> list[ctypes.c_int64]:
+    return [ctypes.c_int64(number) for number in numbers]
