@@ -140,11 +140,6 @@ def derive(
             f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
             f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
         )
-    if density.constraints.numel() and (density.force is not None or account) and not rule.implicit:
-        raise ValueError(
-            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities with forces or an "
-            f"account of work; use midpoint, screw_midpoint or galerkin(time=...)"
-        )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])

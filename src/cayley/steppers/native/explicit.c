@@ -51,19 +51,6 @@ static void load(struct explicit_run *e, i64 number, double part)
     }
 }
 
-/* Add part times all forces to the momenta; known: whether velocities are those of a saved frame. */
-static void kick(struct explicit_run *e, i64 number, double part, i64 known)
-{
-    if (e->predict) {
-        load(e, number, 1.0);
-        double *u = times(e, 2, e->predict_setup, known ? 0.0 : e->problem->h, number, number + 1);
-        ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
-    }
-    double *u = times(e, 0, e->kick_setup, part, number, number);
-    ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
-    if (!e->predict) load(e, number, part);
-}
-
 /* Copy values (to control i) and, if wanted, momenta out of the blocks. */
 static void collect(struct explicit_run *e, i64 i, double *momenta)
 {
@@ -85,6 +72,32 @@ static void put_momenta(struct explicit_run *e, const double *momenta)
         double *mu = row_of(e, slot[0], slot[3]) + slot[1];
         for (i64 d = 0; d < p->dofs; d++) mu[d * LANES] = momenta[n * p->dofs + d];
     }
+}
+
+/* Find the velocities of forces; known: those of a saved frame. Else the constraints push as in the step before, by the
+ * derivatives of saddle_point, so that the velocities have an error of h^2 at constrained nodes, too. */
+static void predict(struct explicit_run *e, i64 number, i64 known)
+{
+    struct problem *p = e->problem;
+    load(e, number, 1.0);
+    collect(e, 0, e->given);
+    if (!known) {
+        memcpy(p->momenta, e->given, (size_t)((p->nodes + 1) * p->dofs) * sizeof(double));
+        push_multipliers(p, 0.5 * p->h, p->momenta);
+        put_momenta(e, p->momenta);
+    }
+    double *u = times(e, 2, e->predict_setup, known ? 0.0 : p->h, number, number + 1);
+    ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
+    if (!known) put_momenta(e, e->given);
+}
+
+/* Add part times all forces to the momenta; known: whether velocities are those of a saved frame. */
+static void kick(struct explicit_run *e, i64 number, double part, i64 known)
+{
+    if (e->predict) predict(e, number, known);
+    double *u = times(e, 0, e->kick_setup, part, number, number);
+    ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
+    if (!e->predict) load(e, number, part);
 }
 
 /* Copy the blocks that constraints know. */
@@ -150,14 +163,15 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
 {
     struct problem *p = e->problem;
     double part = j ? p->h : 0.5 * p->h, time = p->origin + (p->first + (double)number) * p->h, last = INFINITY;
-    kick(e, number, part, j == 0);
-    collect(e, 0, e->given);
+    collect(e, 0, 0);
     p->counts[2] = number;
     i64 failed = saddle_point(p, number, 0, time);
     if (failed) {
         p->counts[3] = failed - 1;
         return REDUNDANT;
     }
+    kick(e, number, part, j == 0);
+    collect(e, 0, e->given);
     guess(p, j > 1);
     double floor = rounding(p);
     copy_known(e, e->saved, e->data);
@@ -210,10 +224,14 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
             if (outcome) return outcome;
         }
         i64 number = (*reached + 1) * p->stride;
+        double time = p->origin + (p->first + (double)number) * p->h;
+        if (e->predict) {
+            collect(e, 0, 0);
+            saddle_point(p, number - 1, 1, time);  /* where it fails project fails as well */
+        }
         kick(e, number, 0.5 * p->h, 0);
         hold_momenta(e);
         collect(e, 0, p->momenta);
-        double time = p->origin + (p->first + (double)number) * p->h;
         i64 failed = project(p, number - 1, 1, *reached, time, p->h);
         if (failed) {
             p->counts[3] = failed - 1;
