@@ -3,6 +3,7 @@
 The README's blocks of Python run in tests/examples.
 """
 
+import doctest
 import re
 from pathlib import Path
 from typing import get_args
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import cayley as cy
-from cayley.cli import scenario, schema
+from cayley.cli import scenario, schema, tie_schema
 from cayley.cli.problems import ScenarioError
 from cayley.discrete.rules import RULES
 
@@ -73,7 +74,8 @@ def test_the_scenario_on_the_page_runs() -> None:
 
 
 def test_every_key_and_word_of_a_scenario_is_on_the_page() -> None:
-    tables = [kind for kind in vars(schema).values() if isinstance(kind, type) and issubclass(kind, schema.Table)]
+    known = [*vars(schema).values(), *vars(tie_schema).values()]
+    tables = [kind for kind in known if isinstance(kind, type) and issubclass(kind, schema.Table)]
     keys = {key for table in tables if table is not schema.ScenarioTables for key in table.model_fields}
     missing = sorted(key for key in keys if f"`{key}`" not in SCENARIO_PAGE)
     assert not missing
@@ -112,3 +114,10 @@ def test_messages_on_the_page_are_those_one_gets() -> None:
         except ValueError as error:
             told.append(f"beam.toml: {error}")
     assert page.splitlines() == told
+
+
+def test_the_page_of_joints_says_what_happens() -> None:
+    page = str(ROOT / "docs" / "howto-joints.md")
+    found = doctest.testfile(page, module_relative=False, optionflags=doctest.ELLIPSIS)
+    assert found.attempted > 20
+    assert not found.failed

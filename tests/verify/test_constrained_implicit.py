@@ -7,9 +7,8 @@ from numpy.testing import assert_allclose
 import cayley as cy
 from cayley import loads, rules, supports
 from cayley.steppers import implicit_run
-from cayley.steppers.band import factorize_band, solve_band
-from cayley.steppers.constrained_run import violation
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.saddle import largest_violation
 from cayley.system.discretize import discretize
 from cayley.system.system import State
 from unit.system.rods import round_rod
@@ -20,7 +19,7 @@ RULES = (rules.midpoint, rules.screw_midpoint, rules.galerkin(time=2))
 
 def worst(run: cy.Trajectory) -> float:
     """Largest violation of a constraint in any frame."""
-    return max(np.abs(violation(run.system, values)).max() for values in run.frames.values)
+    return max(largest_violation(run.system, values) for values in run.frames.values)
 
 
 def wire(elements: int = 10) -> cy.Model:
@@ -196,24 +195,3 @@ def test_refusals():
     for rule in (rules.nodal_midpoint, rules.galerkin(time=1, space=2)):
         with pytest.raises(ValueError, match="use verlet, screw, midpoint"):
             cy.simulate(pendulum("inextensible"), 0.1, 1e-3, rule=rule)
-
-
-def test_band():
-    """The banded LU solves what numpy solves, with zeros on the diagonal too, and tells of a singular matrix."""
-    random = np.random.default_rng(3)
-    size, reach = 30, 4
-    matrix = np.triu(np.tril(random.normal(size=(size, size)), reach), -reach)
-    matrix[::3, ::3] = 0.0
-    matrix *= 10.0 ** random.uniform(-4, 4, size)[:, None]
-    band = np.zeros((size, 3 * reach + 1))
-    for i in range(size):
-        for j in range(max(0, i - reach), min(size, i + reach + 1)):
-            band[i, j - i + reach] = matrix[i, j]
-    room = np.zeros((size, reach)), np.zeros(size, dtype=np.int64), np.zeros((2, size))
-    again, right = band.copy(), random.normal(size=size)
-    expected = np.linalg.solve(matrix, right)
-    assert factorize_band(band, reach, *room) == -1
-    solve_band(band, reach, *room, right)
-    assert_allclose(right, expected, rtol=1e-9)
-    again[7] = 0.0
-    assert factorize_band(again, reach, *room) >= 0

@@ -58,7 +58,17 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system."""
+    """The module that steps a system.
+
+    Raises:
+        ValueError: it has forces off the node, which not all of them apply.
+    """
+    levered = system.loads is not None and np.any(system.loads.lever != 0.0)
+    if levered and (system.equations.rule.implicit or is_constrained(system) or system.springs):
+        raise ValueError(
+            f"the rule {system.equations.rule} cannot apply forces off the node yet, such as on the port of a body; "
+            "use an explicit rule without constraints and joints, or a force and a moment on body.centre"
+        )
     if system.equations.rule.implicit:
         if system.equations.density.force is not None:
             raise ValueError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -11,13 +10,15 @@ import numpy as np
 
 from cayley.cli import expressions, force_build, problems, schema
 from cayley.cli.force_tables import AlongRod
+from cayley.cli.rods import make_rod, make_section
 from cayley.cli.schema import Place
-from cayley.model import Material, Model, Port, Rod, Section, loads, supports
+from cayley.cli.tie_build import body_of, guide_of, joint_of, motion_problems, port_of, side_of, spring_of
+from cayley.model import Material, Model, Part, Port, Rod, Section, loads, supports
 from cayley.model.joints import Joint
 from cayley.model.loads import Load
+from cayley.model.springs import Spring
 from cayley.model.supports import Support
 
-_PORT = re.compile(r"(?P<rod>.+)\.(?:(?P<end>start|end)|node *\(?(?P<node>-?\d+)\)?)")
 _PROBES = 5  # times at which an expression is tried
 
 
@@ -47,18 +48,23 @@ def build(tables: schema.ScenarioTables) -> Model:
             found.add(("section", name, "material"), problems.unlike(section.material, tables.material))
         elif isinstance(section, schema.GivenTable) or section.material in materials:
             with found.at("section", name):
-                sections[name] = _section(section, materials)
-    rods = _rods(tables, sections, found)
+                sections[name] = make_section(section, materials)
+    if not tables.rod and not tables.body:
+        found.add(("rod",), "is missing; allowed: at least one [[rod]] or [[body]] table")
+    rods = _rods(tables, sections, materials, found)
+    parts = rods | _bodies(tables, rods, found)
     found.stop()
-    held = _supports(tables, rods, found)
-    acting = _loads(tables, rods, found)
-    _check_initial(tables, rods, found)
+    held = _supports(tables, parts, found)
+    acting = _loads(tables, rods, parts, found)
+    joined: list[Joint] = _ties(tables, "joint", joint_of, parts, found)
+    sprung: list[Spring] = _ties(tables, "spring", spring_of, parts, found)
+    _check_initial(tables, parts, found)
     _check_report(tables, found)
     if tables.run.dt is not None and tables.run.accuracy is not None:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
     with found.at():
-        return Model(*rods.values(), supports=held, loads=acting)
+        return Model(*parts.values(), supports=held, joints=joined, springs=sprung, loads=acting)
     raise BuildError(found.lines)
 
 
@@ -72,12 +78,19 @@ class _Found:
         self.lines.append(f"{problems.path(place)}: {text}" if place else text)
 
     @contextmanager
-    def at(self, *place: str | int) -> Iterator[None]:
-        """Turn a refusal of the model into a problem; it begins with the name of an object, which the place tells."""
+    def at(self, *place: str | int, whole: bool = False) -> Iterator[None]:
+        """Turn a refusal of the model into a problem; it begins with the name of an object, which the place tells.
+
+        Args:
+            *place: in the file.
+            whole: the message begins with no such name.
+        """
         try:
             yield
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, ImportError) as error:
             owner, _, text = str(error).partition(": ")
+            if whole:
+                text = str(error)
             self.add(place, text if place and text else f"{owner}: {text}")
 
     def stop(self) -> None:
@@ -85,46 +98,96 @@ class _Found:
             raise BuildError(self.lines)
 
 
-def _section(table: Any, materials: Mapping[str, Material]) -> Section:
-    values = table.model_dump(exclude={"shape", "material"}, exclude_none=True)
-    if table.shape == "given":
-        for key in ("stiffness", "inertia"):
-            rows = values[key]
-            values[key] = rows if any(isinstance(row, list) for row in rows) else np.diag(rows)
-        return Section.given(**values)
-    made: Section = getattr(Section, table.shape)(material=materials[table.material], **values)
-    return made
-
-
-def _rods(tables: schema.ScenarioTables, sections: Mapping[str, Section], found: _Found) -> dict[str, Rod]:
+def _rods(
+    tables: schema.ScenarioTables, sections: Mapping[str, Section], materials: Mapping[str, Material], found: _Found
+) -> dict[str, Rod]:
     rods: dict[str, Rod] = {}
     names = [table.name for table in tables.rod]
     for k, table in enumerate(tables.rod):
+        wanted = [table.section] if isinstance(table.section, str) else table.section
+        unknown = [(key, name) for key in ("section", "tip_section") for name in _named(table, key, tables.section)]
         if table.name in names[:k]:
             found.add(("rod", k, "name"), f"is {problems.shown(table.name)} again; allowed: a name of its own")
-        elif table.section not in tables.section:
-            found.add(("rod", k, "section"), problems.unlike(table.section, tables.section))
-        elif table.section in sections:
+        elif unknown:
+            for key, name in unknown:
+                found.add(("rod", k, key), problems.unlike(name, tables.section))
+        elif table.length is None and table.curve is None and table.points is None:
+            found.add(("rod", k, "length"), "is missing; allowed: a positive number [m], or curve or points instead")
+        elif not _check_curve(table, ("rod", k, "curve"), found):
+            continue
+        elif all(name in sections for name in [*wanted, *([table.tip_section] if table.tip_section else [])]):
             with found.at("rod", k):
-                values = table.model_dump(exclude={"section", "damping"})
-                rods[table.name] = Rod(sections[table.section], damping=force_build.damping_of(table.damping), **values)
+                rods[table.name] = make_rod(table, sections, tables.section, materials)
     return rods
 
 
-def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> list[Support | Joint]:
+def _named(table: schema.RodTable, key: str, known: Mapping[str, Any]) -> list[str]:
+    """Names of sections in a key that are none."""
+    given = getattr(table, key)
+    names = [given] if isinstance(given, str) else given or []
+    return [name for name in names if name not in known]
+
+
+def _check_curve(table: schema.RodTable, place: Place, found: _Found) -> bool:
+    good, (first, last) = True, table.span
+    for j, part in enumerate(table.curve or ()):
+        wrong = expressions.check(part, np.linspace(first, last, _PROBES).tolist()) if isinstance(part, str) else None
+        if wrong:
+            found.add((*place, j), f"{problems.shown(part)} {wrong}; allowed: {expressions.LANGUAGE}")
+            good = False
+    return good
+
+
+def _bodies(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> dict[str, Part]:
+    bodies: dict[str, Part] = {}
+    for k, table in enumerate(tables.body):
+        if table.name in bodies or table.name in rods:
+            found.add(("body", k, "name"), f"is {problems.shown(table.name)} again; allowed: a name of its own")
+            continue
+        with found.at("body", k):
+            bodies[table.name] = body_of(table)
+    return bodies
+
+
+def _ties(tables: schema.ScenarioTables, word: str, make: Any, parts: Mapping[str, Part], found: _Found) -> list[Any]:
+    """Joints or springs."""
+    made = []
+    for k, table in enumerate(getattr(tables, word)):
+        wrong = motion_problems(table, tables.run.t_end)
+        for key, text in wrong:
+            found.add((word, k, key), text)
+        sides = []
+        for key, of in (("first", port_of if table.first != "ground" else side_of), ("second", side_of)):
+            with found.at(word, k, key, whole=True):
+                sides.append(of(getattr(table, key), parts))
+        if len(sides) == 2 and not wrong:
+            with found.at(word, k):
+                made.append(make(table, *sides))
+    return made
+
+
+def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Part], found: _Found) -> list[Support | Joint]:
     held: list[Support | Joint] = []
     for k, table in enumerate(tables.support):
         port = _port(table.at, rods, ("support", k, "at"), found)
         if port is not None:
             with found.at("support", k):
-                if isinstance(table, schema.HoldTable):
+                if not isinstance(table, (schema.HoldTable, schema.PinTable)):
+                    wrong = motion_problems(table, tables.run.t_end)
+                    for key, text in wrong:
+                        found.add(("support", k, key), text)
+                    if not wrong:
+                        held.append(guide_of(table, port))
+                elif isinstance(table, schema.HoldTable):
                     held.append(supports.hold(port, position=table.position, rotation=table.rotation))
                 else:
                     held.append({"pin": supports.pin, "clamp": supports.clamp}[table.kind](port))
     return held
 
 
-def _loads(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> list[Load]:
+def _loads(
+    tables: schema.ScenarioTables, rods: Mapping[str, Rod], parts: Mapping[str, Part], found: _Found
+) -> list[Load]:
     acting: list[Load] = []
     for k, table in enumerate(tables.load):
         if isinstance(table, schema.GravityTable):
@@ -142,7 +205,7 @@ def _loads(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found
             continue
         target: Port | Rod | None
         if isinstance(table, schema.PointLoadTable):
-            target = _port(table.at, rods, ("load", k, "at"), found)
+            target = _port(table.at, parts, ("load", k, "at"), found)
         else:
             target = _rod(table.rod, rods, ("load", k, "rod"), found)
         good = _check_expressions(table, tables.run.t_end, ("load", k, "value"), found)
@@ -170,14 +233,21 @@ def _check_expressions(table: Any, t_end: float, place: Place, found: _Found) ->
     return good
 
 
-def _check_initial(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> None:
-    names = [table.rod for table in tables.initial]
+def _check_initial(tables: schema.ScenarioTables, parts: Mapping[str, Part], found: _Found) -> None:
+    names = [table.rod or table.body for table in tables.initial]
     for k, table in enumerate(tables.initial):
-        _rod(table.rod, rods, ("initial", k, "rod"), found)
-        if table.rod in names[:k]:
-            found.add(
-                ("initial", k, "rod"), f"is {problems.shown(table.rod)} again; allowed: one [[initial]] for a rod"
-            )
+        word = "rod" if table.body is None else "body"
+        of_kind = [name for name, part in parts.items() if isinstance(part, Rod) == (word == "rod")]
+        name = names[k]
+        if name is None:
+            found.add(("initial", k, "rod"), "is missing; allowed: the name of a rod, or body with that of a body")
+            continue
+        if table.rod is not None and table.body is not None:
+            found.add(("initial", k, "body"), "is given beside rod; allowed: one of the two")
+        elif name not in of_kind:
+            found.add(("initial", k, word), problems.unlike(name, of_kind))
+        if name in names[:k]:
+            found.add(("initial", k, word), f"is {problems.shown(name)} again; allowed: one [[initial]] for a {word}")
         for rate, momentum in (("velocity", "momentum"), ("angular_velocity", "angular_momentum")):
             if getattr(table, rate) is not None and getattr(table, momentum) is not None:
                 found.add(("initial", k, momentum), f"is given beside {rate}; allowed: one of the two")
@@ -188,7 +258,7 @@ def _check_report(tables: schema.ScenarioTables, found: _Found) -> None:
     for t in wanted.snapshots or ():
         if not 0.0 <= t <= t_end:
             found.add(("report", "snapshots"), f"holds {t:g}; allowed: from 0 to t_end = {t_end:g} s")
-    most = max(table.elements for table in tables.rod)
+    most = max((table.elements for table in tables.rod), default=0)
     for node in wanted.nodes or ():
         if not -most - 1 <= node <= most:
             found.add(("report", "nodes"), f"holds {node}; allowed: from 0 to {most}, or from -1 back to {-most - 1}")
@@ -200,16 +270,11 @@ def _rod(name: str, rods: Mapping[str, Rod], place: Place, found: _Found) -> Rod
     return rods.get(name)
 
 
-def _port(text: str, rods: Mapping[str, Rod], place: Place, found: _Found) -> Port | None:
-    """The node that a text such as `mast.end` or `mast.node 3` names."""
-    match = _PORT.fullmatch(text)
-    if match is None or match["rod"] not in rods:
-        ends = [f"{name}.{end}" for name in rods for end in ("start", "end", "node K")]
-        found.add(place, problems.unlike(text, ends))
-        return None
-    rod = rods[match["rod"]]
-    if match["end"]:
-        return rod.start if match["end"] == "start" else rod.end
-    with found.at(*place):
-        return rod.node(int(match["node"]))
+def _port(text: str, parts: Mapping[str, Part], place: Place, found: _Found) -> Port | None:
+    """The port that a text such as `mast.end`, `mast.node 3` or `bob.eye` names."""
+    try:
+        return port_of(text, parts)
+    except (TypeError, ValueError) as error:
+        owner, _, rest = str(error).partition(": ")
+        found.add(place, rest if rest and owner.split(" ")[0] in ("Rod", "Body") else str(error))
     return None

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from cayley.cli.expressions import language
-from cayley.cli.table import Table, Until
+from cayley.cli.schema_base import Table, Until
 
 _FUNCTION = "or an expression in quotes ({})"
 _ST = _FUNCTION.format(language(("s", "t")))

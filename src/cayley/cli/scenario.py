@@ -66,8 +66,11 @@ class Scenario:
         }
 
     def initial(self) -> dict[str, dict[str, list[float]]]:
-        """What moves at the start, by the name of the rod: velocity [m/s], angular_velocity [rad/s], momenta."""
-        return {table.rod: table.model_dump(exclude={"rod"}, exclude_none=True) for table in self.tables.initial}
+        """What moves at the start, by the name of the part: velocity [m/s], angular_velocity [rad/s], momenta."""
+        return {
+            str(table.rod or table.body): table.model_dump(exclude={"rod", "body"}, exclude_none=True)
+            for table in self.tables.initial
+        }
 
 
 def shipped() -> dict[str, Traversable]:

@@ -7,7 +7,7 @@ ARGUMENTS = (
     *("uniforms", "width", "timed"),  # uniform inputs of the three kernels, whether they change with time
     *("spans", "tiles", "depth"),  # (first block, last block, held) of tiles; steps a tile takes together
     *("fixed", "fixed_count"),  # (block, row, lane) of momenta that stay zero
-    *("table", "columns", "entries", "entry_count", "scales", "places"),  # time-dependent loads
+    *("table", "columns", "entries", "entry_count", "scales", "places"),  # time-dependent loads; (scale, lever) of each
     *(
         "stride",
         "saves",
@@ -19,4 +19,6 @@ ARGUMENTS = (
 """What the driver takes, as an array of 64-bit integers: numbers, and addresses of arrays."""
 
 ENTRY = ("block", "lane", "row", "turn", "form", "column", "tile")
-"""What an entry of a load says; forms: 0 as given, 1 space to body, 2 body to space, 3 and 4 the same by a matrix."""
+"""What an entry of a load says; forms: 0 as given, 1 space to body, 2 body to space, 3 and 4 the same by a matrix; with
+LEVER added, then crossed with the lever of the entry from the left: the moment of a force off the node."""
+LEVER = 8

@@ -17,7 +17,7 @@ from typing import Any
 
 from llvmlite import ir
 
-from cayley.codegen.abi import ARGUMENTS, ENTRY
+from cayley.codegen.abi import ARGUMENTS, ENTRY, LEVER
 
 I64, DOUBLE, VOID = ir.IntType(64), ir.DoubleType(), ir.VoidType()
 
@@ -163,13 +163,14 @@ class _Advance(_Writer):
         values = b.add(at["table"], b.mul(b.mul(number, at["columns"]), self.int(8)))
         with self.loop(*entries) as e:
             entry = b.add(at["entries"], b.mul(e, self.int(8 * len(ENTRY))))
-            scale = b.fmul(h, self.load(at["scales"], e, DOUBLE))
+            scales = b.add(at["scales"], b.mul(e, self.int(8 * 4)))
+            scale = b.fmul(h, self.load(scales, self.int(0), DOUBLE))
             block = self.load(entry, self.int(0))
             lane = self.load(entry, self.int(1))
             node = b.add(at["data"], b.mul(self.place(block, self.int(0), lane), self.int(8)))
             row, turn, form, column = (self.load(entry, self.int(i)) for i in range(2, 6))
             vector = b.add(values, b.mul(column, self.int(8)))
-            b.call(self.push, [node, at["lanes"], row, turn, form, vector, scale])
+            b.call(self.push, [node, at["lanes"], row, turn, form, vector, scale, b.add(scales, self.int(8))])
 
     def set(self, kind: str, h: Any, number: Any, following: Any) -> None:
         """Give a kernel its step and times."""
@@ -204,16 +205,30 @@ class _Advance(_Writer):
 
 
 def _print_push(module: ir.Module) -> ir.Function:
-    """One load on one node: turned as its form says, scaled, added to three rows of its momentum."""
-    kind = ir.FunctionType(VOID, [I64, I64, I64, I64, I64, I64, DOUBLE])
+    """One load on one node: turned as its form says, scaled, added to three rows of its momentum.
+
+    With a lever a, the load F, turned, is one off the node, and its moment a × F is added.
+    """
+    kind = ir.FunctionType(VOID, [I64, I64, I64, I64, I64, I64, DOUBLE, I64])
     function = ir.Function(module, kind, name="push")
     function.linkage = "internal"
     w = _Writer(function)
     b = w.b
-    node, lanes, row, turn, form, vector, scale = function.args
+    node, lanes, row, turn, full_form, vector, scale, lever = function.args
+    form = b.and_(full_form, w.int(LEVER - 1))
+    has_lever = b.icmp_signed(">=", full_form, w.int(LEVER))
 
     def at(base: Any, i: int) -> Any:
         return b.mul(b.add(base, w.int(i)), lanes)
+
+    def deliver(values: list[Any]) -> None:
+        places = [at(row, i) for i in range(3)]
+        with b.if_else(has_lever, likely=False) as (levered, straight):
+            with levered:
+                _add(w, node, places, _cross(b, [w.load(lever, w.int(i), DOUBLE) for i in range(3)], values))
+            with straight:
+                _add(w, node, places, values)
+        b.branch(done)
 
     given = [b.fmul(scale, w.load(vector, w.int(i), DOUBLE)) for i in range(3)]
     zero = ir.Constant(DOUBLE, 0.0)
@@ -229,8 +244,7 @@ def _print_push(module: ir.Module) -> ir.Function:
         turns.add_case(w.int(value), place)
 
     b.position_at_end(plain)
-    _add(w, node, [at(row, i) for i in range(3)], given)
-    b.branch(done)
+    deliver(given)
 
     b.position_at_end(by_quaternion)
     p = [w.load(node, at(turn, i), DOUBLE) for i in range(4)]
@@ -239,8 +253,7 @@ def _print_push(module: ir.Module) -> ir.Function:
     once = _cross(b, p[1:], given)
     twice = _cross(b, p[1:], once)
     turned = [b.fadd(g, b.fadd(b.fmul(real, u), b.fmul(two, v))) for g, u, v in zip(given, once, twice, strict=True)]
-    _add(w, node, [at(row, i) for i in range(3)], turned)
-    b.branch(done)
+    deliver(turned)
 
     b.position_at_end(by_matrix)
     m = [[w.load(node, at(turn, 3 * i + k), DOUBLE) for k in range(3)] for i in range(3)]
@@ -250,8 +263,7 @@ def _print_push(module: ir.Module) -> ir.Function:
         factors = [b.select(body, m[k][i], m[i][k]) for k in range(3)]
         first, second, third = (b.fmul(f, g) for f, g in zip(factors, given, strict=True))
         turned.append(b.fadd(b.fadd(first, second), third))
-    _add(w, node, [at(row, i) for i in range(3)], turned)
-    b.branch(done)
+    deliver(turned)
 
     b.position_at_end(done)
     b.ret_void()

@@ -71,6 +71,8 @@ def load_free(run: Any) -> Window:
     """The part of a run after the last load has ended."""
     time = run.energy["time"].values
     loads = [] if run.model is None else [load for load in run.model.loads if not isinstance(load, Gravity)]
+    if run.model is not None and _works_always(run.model):
+        return Window(np.ones(len(time), dtype=bool), "whole run, a drive or damper works", False)
     end = max((load.until for load in loads), default=-np.inf)
     # the last impulse of a load is spread over half a step on either side
     frames = time >= end + run.dt
@@ -98,8 +100,11 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
 
     A component of linear momentum stays if no support holds that component and gravity has none. One of angular
     momentum, about the axis e through the origin, stays if gravity is along e and no support turns about e: a held
-    position does not if its force passes through the axis or is parallel to it. Loads are not looked at.
+    position does not if its force passes through the axis or is parallel to it. Loads are not looked at. A joint or
+    spring of two parts leaves all alone; one to the ground is taken to leave nothing.
     """
+    if any(tie.grounded for tie in model.ties):
+        return (False, False, False), (False, False, False)
     gravity = sum((np.array(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3))
     linear, angular = [], []
     for i in range(3):
@@ -117,13 +122,18 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
     return _flags(linear), _flags(angular)
 
 
+def _works_always(model: Model) -> bool:
+    """Whether joints are driven or springs damped, all the time."""
+    return any(joint.driven for joint in model.connections) or any(np.any(spring.damping) for spring in model.springs)
+
+
 def _flags(values: list[Any]) -> Flags:
     return (bool(values[0]), bool(values[1]), bool(values[2]))
 
 
 def _energy_rows(run: Any, window: Window) -> list[Row]:
     if not window.free:
-        return [Row("energy and momenta", "not judged", "", "loads act to the end")]
+        return [Row("energy and momenta", "not judged", "", "loads, drives or dampers act to the end")]
     time, energy = run.energy["time"].values[window.frames], run.energy.values[window.frames]
     largest = float(run.kinetic_energy.values.max())
 

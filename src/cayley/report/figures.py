@@ -74,7 +74,7 @@ def resultants(run: Any, rod: Any = None, nodes: Sequence[int] | None = None, *,
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), Figure 5.
     """
-    data = run[run.model.names[0] if rod is None else rod]
+    data = run[run.model.name_of(run.model.rods[0]) if rod is None else rod]
     last = data.sizes["node"] - 1
     chosen = default_nodes(last) if nodes is None else tuple(nodes)
     suffix, force, moment = ("_impulse", "N s", "N m s") if impulse else ("", "N", "N m")

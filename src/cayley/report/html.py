@@ -107,8 +107,10 @@ def _rods(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) 
         "the gray line is the shadow on the floor, a ring marks a node held in place. After Leitz, Ober-Blöbaum and "
         "Leyendecker (2014), Figure 4."
     )
-    yield _section("Snapshots", _figure(figures.snapshots(run, times=times), "The rods at some times.", caption))
-    names = run.model.names
+    if run.model.bodies or run.model.connections:
+        caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
+    yield _section("Snapshots", _figure(figures.snapshots(run, times=times), "The model at some times.", caption))
+    names = [run.model.name_of(rod) for rod in run.model.rods]
     for rod, name in list(zip(run.model.rods, names, strict=True))[:_MOST_RODS]:
         chosen = [k for k in nodes or () if -rod.elements - 1 <= k <= rod.elements] or None
         heading = "Stress resultants" + (f" of {name}" if len(names) > 1 else "")

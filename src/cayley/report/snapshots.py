@@ -14,6 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from cayley.report.bodies import Shape, body_shape, joint_points
 from cayley.report.conserved import Array
 from cayley.report.style import GRID, INK, MAP, MUTED, SHADOW, WIDTH, style
 
@@ -32,30 +33,34 @@ _LEFT, _RIGHT, _BOTTOM, _TOP, _LOWEST, _HIGHEST = 0.42, 0.85, 0.4, 0.32, 1.2, 3.
 
 
 def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -> Figure:
-    """Rods in space at some times, colored by the magnitude of the moment ‖Σ‖ [N m] in them.
+    """Rods in space at some times, colored by the magnitude of the moment ‖Σ‖ [N m] in them; bodies as boxes.
 
     All panels have one scale, the same along all axes, and are seen along parallel lines from the same side. On the
-    floor is the rod's shadow.
+    floor is the rod's shadow. A body is the box of its inertia, with lines to its ports; a diamond is a joint.
 
     Args:
         run: a Trajectory.
-        rod: a rod, its name, or a list of them; all rods by default.
+        rod: a rod, its name, or a list of them; all rods, bodies and joints by default.
         times: [s], of which the nearest saved ones are drawn; by default four of equal distance.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), Figure 4.
     """
-    chosen = run.model.names if rod is None else rod if isinstance(rod, (list, tuple)) else [rod]
+    all_rods = [run.model.name_of(part) for part in run.model.rods]
+    chosen = all_rods if rod is None else rod if isinstance(rod, (list, tuple)) else [rod]
     data = [run[part][["position", "moment"]] for part in chosen]
-    time = data[0]["time"].values
+    time = run.energy["time"].values
     frames = nearest_frames(time, times)
+    shapes = [body_shape(run, body, frames) for body in run.model.bodies] if rod is None else []
+    joints = joint_points(run, frames) if rod is None else np.zeros((len(frames), 0, 3))
     positions, moments = [], []
     for part in data:
         shown = part.isel(time=frames).transpose("time", "node", "axis")
         positions.append(shown["position"].values)
         moments.append(np.linalg.norm(shown["moment"].values, axis=-1))
-    room = _Room.around(np.concatenate([position.reshape(-1, 3) for position in positions]))
+    points = [position.reshape(-1, 3) for position in positions] + [shape.points for shape in shapes]
+    room = _Room.around(np.concatenate(points))
     held = _held(run.model, chosen)
-    top = max(float(moment.max()) for moment in moments)
+    top = max((float(moment.max()) for moment in moments), default=0.0)
     scale = Normalize(0.0, top if top > 0.0 else 1.0)
     with style():
         plan = _Plan.of(len(frames), *room.extent)
@@ -67,6 +72,11 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -
             for position, moment, nodes in zip(positions, moments, held, strict=True):
                 _draw(axes, position[k], moment[k], scale, room.low[2])
                 axes.plot(*_seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)
+            for shape in shapes:
+                _draw_body(axes, shape, k, room.low[2])
+            axes.plot(*_seen(joints[k]).T, "D", markersize=4.5, mfc="white", mec=INK, mew=1.1, zorder=5)
+        if not chosen:
+            return figure
         bar = figure.add_axes(plan.bar())
         figure.colorbar(ScalarMappable(scale, MAP), cax=bar, label="moment ‖Σ‖ [N m]")
         bar.grid(False)
@@ -228,9 +238,20 @@ def _draw(axes: Axes, position: Array, moment: Array, scale: Normalize, floor: f
     )
 
 
+def _draw_body(axes: Axes, shape: Shape, k: int, floor: float) -> None:
+    """A body: the shadow of its center, its box, and lines to its ports."""
+    shadow = shape.center[k].copy()
+    shadow[2] = floor
+    axes.plot(*_seen(shadow[None]).T, "o", color=SHADOW, markersize=4.0)
+    axes.plot(*_seen(np.stack([shape.center[k], shadow])).T, color=SHADOW, linewidth=0.7, linestyle=(0, (2, 2)))
+    axes.add_collection(LineCollection(list(_seen(shape.arms[k])), colors=MUTED, linewidths=1.0, clip_on=False))
+    axes.add_collection(LineCollection(list(_seen(shape.edges[k])), colors=INK, linewidths=1.0, clip_on=False))
+    axes.plot(*_seen(shape.center[k][None]).T, "o", color=INK, markersize=3.0, clip_on=False)
+
+
 def _held(model: Any, rods: Sequence[Any]) -> list[list[int]]:
     """The nodes of each rod whose position is held."""
-    parts = [dict(zip(model.names, model.rods, strict=True))[rod] if isinstance(rod, str) else rod for rod in rods]
+    parts = [dict(zip(model.names, model.parts, strict=True))[rod] if isinstance(rod, str) else rod for rod in rods]
     return [
         sorted({s.port.node for s in model.supports if s.port.part is part and any(s.held_position)}) for part in parts
     ]

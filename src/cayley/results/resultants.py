@@ -62,7 +62,8 @@ def timed_loads(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray]
     if loads is None:
         return spread, point
     table = loads.table(frames.times, frames.h, frames.origin)
-    several = np.bincount(loads.column) > 1  # a rod has two nodes or more: only a line load has several entries
+    # a rod has two nodes or more: only a line load has several entries that are no moments of others
+    several = np.bincount(loads.column[~np.any(loads.lever != 0.0, axis=1)]) > 1
     for e, column in enumerate(loads.column):
         target = spread if several[column] else point
         dofs = slice(loads.dof[e], loads.dof[e] + 3)
@@ -74,11 +75,16 @@ def _turned(system: System, frames: Frames, loads: LoadEntries, e: int, values: 
     """Values of one load in the frame of the equations, times its factor, shape (m, 3)."""
     vector = loads.scale[e] * values
     if not loads.form[e]:
-        return vector
+        return _levered(loads, e, vector)
     representation = system.layout.representation
     rows = frames.values[:, loads.node[e], loads.turn[e] : loads.turn[e] + representation.rows]
     turned = quaternion.inverse_rotate if loads.form[e] == 1 else quaternion.rotate
-    return np.asarray(turned(representation.to_quaternion(rows), vector), dtype=float)
+    return _levered(loads, e, np.asarray(turned(representation.to_quaternion(rows), vector), dtype=float))
+
+
+def _levered(loads: LoadEntries, e: int, force: np.ndarray) -> np.ndarray:
+    """The moment of a force off the node, if the entry is one, else the force."""
+    return np.cross(loads.lever[e], force) if loads.lever[e].any() else force
 
 
 __all__ = ["resultants", "timed_loads"]

@@ -69,6 +69,7 @@ def coupling_arrays(
             "slopes": _zeros(slopes),
             "multiplier_row": multipliers,
             "count": cells.count,
+            "alternating": int(cells.alternating),
             "value": multipliers + cells.count,
             "gradient": multipliers + 2 * cells.count,
             "across": across,

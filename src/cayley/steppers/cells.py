@@ -40,6 +40,7 @@ class Cells:
         drive: function times (m,) -> (m, driven, drives), of the last constants of driven cells, or None.
         driver: which driven cell a cell is, or −1, shape (cells,).
         names: what joints and springs are called.
+        alternating: whether forces of its multipliers can make rotations alternate from node to node (see couplings.c).
     """
 
     programs: tuple[Program, Program]
@@ -60,6 +61,7 @@ class Cells:
     drive: Callable[[np.ndarray], np.ndarray] | None = None
     driver: np.ndarray | None = None
     names: tuple[str, ...] = ()
+    alternating: bool = False
 
     @property
     def gauss(self) -> int:
@@ -93,7 +95,8 @@ def constraint_cells(system: System, nodes: np.ndarray) -> list[Cells]:
     found = []
     count = system.equations.density.constraints.numel()
     if count and any(chain > 1 for chain in system.chains):
-        found.append(_on_elements(system, "constraint_point", light="_slope", count=count))
+        screw = system.equations.rule.strain.screw
+        found.append(_on_elements(system, "constraint_point", light="_slope", count=count, alternating=screw))
     return found + joint_cells(system, nodes)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cayley.codegen.abi import ARGUMENTS
+from cayley.codegen.abi import ARGUMENTS, LEVER
 from cayley.steppers import decoupled
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import State, System, aligned, by_node, gather, pack
@@ -32,7 +32,7 @@ class Plan:
         depth: steps a tile takes together.
         held: (block, row, lane) of momenta that stay zero, shape (m, 3).
         entries: loads by node, sorted by tile, shape (k, 7).
-        scales: their factors, shape (k,).
+        scales: their factors and levers, shape (k, 4).
         places: first entry of each tile, shape (tiles + 1,); with forces a predictor takes all entries, tiles none.
     """
 
@@ -123,18 +123,19 @@ def make_plan(system: System) -> Plan:
     edges = sorted(cuts)
     spans = np.array([(a, b, int(with_held[a])) for a, b in itertools.pairwise(edges)], dtype=np.int64)
     held = np.column_stack([block[held_node], momenta[held_node] + held_dof, lane[held_node]]).astype(np.int64)
-    entries, scales = np.zeros((0, 7), dtype=np.int64), np.zeros(0)
+    entries, scales = np.zeros((0, 7), dtype=np.int64), np.zeros((0, 4))
     if system.loads is not None:
         loads = system.loads
         node = loads.node
         form = loads.form + 2 * (loads.form > 0) * (layout.representation.rows == 9)
+        form = form + LEVER * np.any(loads.lever != 0.0, axis=1)
         tile = np.searchsorted(spans[:, 0], block[node], side="right") - 1
         turn = position[node] * layout.rows + loads.turn
         target = rows.forced["pushed"].start + position * layout.dofs if rows.forced else momenta
         columns = [block[node], lane[node], target[node] + loads.dof, turn, form, loads.column, tile]
         order = np.argsort(tile, kind="stable")
         entries = np.column_stack(columns).astype(np.int64)[order]
-        scales = np.ascontiguousarray(loads.scale[order])
+        scales = np.column_stack([loads.scale, loads.lever])[order]
     places = np.searchsorted(entries[:, 6], np.arange(len(spans) + 1))
     names = ["step", "step_held" if len(held) else "step", "kick"]
     if rows.forced:

@@ -43,6 +43,11 @@ def violation(system: System, values: np.ndarray, time: float = 0.0) -> list[tup
     return _multipliers(made)
 
 
+def largest_violation(system: System, values: np.ndarray, time: float = 0.0) -> float:
+    """The largest constraint of all, in the units of each."""
+    return max((float(np.abs(found).max()) for _, found in violation(system, values, time)), default=0.0)
+
+
 def projected(system: System, state: State) -> tuple[np.ndarray, int]:
     """Momenta μ − Gᵀ ν whose velocities agree with the constraints; and the node of a redundant one, or −1."""
     plan = make_plan(system)

@@ -277,6 +277,7 @@ def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> Loa
         return None
     by_part = {id(part): nodes for part, nodes in zip(model.parts, spans(model, degree), strict=True)}
     rows: list[tuple[int, int, int, int, int, float]] = []
+    levers: list[tuple[float, float, float]] = []
     for k, load in enumerate(timed):
         moment = load.kind == "moment"
         dof = layout.dofs_of("p" if moment else "x").start
@@ -284,11 +285,19 @@ def _loads(model: Model, layout: Layout, weight: np.ndarray, degree: int) -> Loa
         nodes = by_part[id(load.part)]
         turn = layout.rows_of("p").start
         if isinstance(load, PointLoad):
-            rows.append((nodes.start + load.port.node * degree, dof, turn, form, 3 * k, 1.0))
+            node = nodes.start + load.port.node * degree
+            rows.append((node, dof, turn, form, 3 * k, 1.0))
+            if not moment and not load.port.at_node:  # its moment o × Λᵀ F about the node
+                levers += [_NO_LEVER] * (len(rows) - len(levers)) + [load.port.shift]
+                rows.append((node, layout.dofs_of("p").start, turn, int(load.frame == "space"), 3 * k, 1.0))
         else:
             rows += [(n, dof, turn, form, 3 * k, float(weight[n])) for n in range(nodes.start, nodes.stop)]
-    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    levers += [_NO_LEVER] * (len(rows) - len(levers))
+    columns = [np.array(column) for column in zip(*rows, strict=True)] + [np.array(levers)]
     return LoadEntries(time_table(timed), 3 * len(timed), *columns)
+
+
+_NO_LEVER = (0.0, 0.0, 0.0)
 
 
 __all__ = ["discretize", "first_nodes", "initial_values", "spans"]

@@ -63,6 +63,8 @@ class LoadEntries:
         form: 0 as given, 1 from space to body, 2 from body to space, shape (k,).
         column: first of its three columns, shape (k,).
         scale: factor, shape (k,).
+        lever: from the node to where a force acts, in its body frame [m], of an entry that is the moment of that force:
+            the vector, turned by form, is crossed with it from the left; else zero, shape (k, 3).
     """
 
     table: Any
@@ -73,6 +75,7 @@ class LoadEntries:
     form: np.ndarray
     column: np.ndarray
     scale: np.ndarray
+    lever: np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,5 +1,7 @@
 """The derivative of constraints, from their kernel, against finite differences."""
 
+import ctypes
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -7,9 +9,10 @@ from numpy.testing import assert_allclose
 import cayley as cy
 from cayley import rules
 from cayley.lie import quaternion
-from cayley.steppers.constrained_run import make_plan, violation
+from cayley.steppers.problem import make_problem
+from cayley.steppers.saddle import make_plan, violation
 from cayley.system.discretize import discretize
-from cayley.system.system import State, gather, pack
+from cayley.system.system import State
 from unit.system.rods import round_rod
 
 
@@ -21,10 +24,10 @@ def test_derivative(rule, kinematics, count):
     rng = np.random.default_rng(3)
     values = system.reference + rng.normal(scale=0.05, size=system.reference.shape)
     values[:, :4] /= np.linalg.norm(values[:, :4], axis=1, keepdims=True)
-    data = pack(system, State(values=values, momenta=np.zeros((6, 6))))
-    system.kernels["schur"](data, make_plan(system).uniforms[3], 1, data.shape[0] - 1)
-    rows = system.equations.rows.constraint
-    sides = [gather(data[1:-1], rows[name], 6).reshape(6, count, 6) for name in ("left", "right")]
+    made = make_problem(make_plan(system), State(values=values, momenta=np.zeros((6, 6)), h=1.0), 1, 1)
+    zero = ctypes.c_int64(0)
+    made.engine.saddle_point(ctypes.byref(made.struct), zero, zero, ctypes.c_double(0.0))
+    slopes = np.moveaxis(made.couplings[0]["slopes"], -1, 1).reshape(-1, count, 2, 6)[:5]
 
     def moved(node: int, dof: int, step: float) -> np.ndarray:
         found = values.copy()
@@ -33,13 +36,14 @@ def test_derivative(rule, kinematics, count):
             found[node, :4] = quaternion.multiply(values[node, :4], turn / np.linalg.norm(turn))
         else:
             found[node, 1 + dof] += step
-        return violation(system, found)
+        return violation(system, found)[0][1]
 
     for node in range(6):
         for dof in range(6):
             slope = (moved(node, dof, 1e-5) - moved(node, dof, -1e-5)) / 2e-5
             expected = np.zeros_like(slope)
-            expected[node] += sides[0][node, :, dof]
+            if node < 5:
+                expected[node] += slopes[node, :, 0, dof]
             if node:
-                expected[node - 1] += sides[1][node - 1, :, dof]
+                expected[node - 1] += slopes[node - 1, :, 1, dof]
             assert_allclose(slope, expected, atol=2e-8)

@@ -34,8 +34,8 @@ def test_listing():
     assert str(model).splitlines() == [
         "Model: 2 rods, 1 body, 1 mass, 7 elements, 11 nodes, 8.62282 kg",
         "  parts",
-        "    mast: 2 m, 4 elements, tube of outer radius 0.02 m, wall 0.002 m, 3.74855 kg",
-        "    arm: 1 m, 3 elements, tube of outer radius 0.02 m, wall 0.002 m, 1.87427 kg",
+        "    mast: 2 m, 4 elements, tube of radius 0.02 m, wall 0.002 m, 3.74855 kg",
+        "    arm: 1 m, 3 elements, tube of radius 0.02 m, wall 0.002 m, 1.87427 kg",
         "    bob: rigid body, 2 kg",
         "    mass: point mass, 1 kg",
         "  supports",

@@ -229,20 +229,31 @@ static inline void subtract(double *y, const double *x, double factor, i64 n)
     for (i64 i = 0; i < n / LANES; i++) a[i] -= factor * b[i];
 }
 
-/* LU in place, rows of ``stride`` doubles (whole vectors); the pivot of a column is the largest of its entry relative to
- * the row it stands in. Returns 0, or 1 + the column that has none. */
-i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots)
+/* A row that is so much less than what it should be at least counts as zero. */
+static const double CANCELLED = 1e-10;
+
+/* 1 over the largest entry of every row; returns 0, or 1 + a row that is zero up to rounding (watch, see struct problem). */
+static i64 row_scales(const double *a, i64 n, i64 stride, const double *watch, double *scale)
 {
-    double scale[n];
     for (i64 i = 0; i < n; i++) {
         double most = 0.0;
         for (i64 k = 0; k < n; k++) {
             double size = __builtin_fabs(a[i * stride + k]);
             most = size > most ? size : most;
         }
-        if (!(most > 0.0)) return i + 1;
+        if (!(most > (watch ? CANCELLED * watch[i] : 0.0))) return i + 1;
         scale[i] = 1.0 / most;
     }
+    return 0;
+}
+
+/* LU in place, rows of ``stride`` doubles (whole vectors); the pivot of a column is the largest of its entry relative to
+ * the row it stands in. Returns 0, or 1 + the column that has none. */
+i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots, const double *watch)
+{
+    double scale[n];
+    i64 zero = row_scales(a, n, stride, watch, scale);
+    if (zero) return zero;
     for (i64 c = 0; c < n; c++) {
         i64 best = c;
         double most = -1.0;
@@ -323,19 +334,11 @@ void solve_dense(const double *a, i64 n, i64 stride, const i64 *pivots, double *
 #define SMALL (2 * LANES)
 
 /* Inverse in place by Gauss-Jordan elimination with the pivots of factorize_dense. */
-static inline i64 invert(double *a, i64 n, i64 stride)
+static inline i64 invert(double *a, i64 n, i64 stride, const double *watch)
 {
     double scale[SMALL];
-    i64 swapped[SMALL];
-    for (i64 i = 0; i < n; i++) {
-        double most = 0.0;
-        for (i64 k = 0; k < n; k++) {
-            double size = __builtin_fabs(a[i * stride + k]);
-            most = size > most ? size : most;
-        }
-        if (!(most > 0.0)) return i + 1;
-        scale[i] = 1.0 / most;
-    }
+    i64 swapped[SMALL], zero = row_scales(a, n, stride, watch, scale);
+    if (zero) return zero;
     for (i64 c = 0; c < n; c++) {
         i64 best = c;
         double most = -1.0;
@@ -417,15 +420,16 @@ static void eliminate_pivot(const struct front *t, double *pivot, double *right)
 }
 
 /* LU of all blocks; returns 0, or 1 + the block that is singular. */
-i64 factorize(i64 fronts, double *matrix, i64 *pivots)
+i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch)
 {
     const struct fronts *f = (const struct fronts *)fronts;
     for (i64 k = 0; k < f->count; k++) {
         const struct front *t = &f->front[k];
         double *pivot = matrix + t->pivot, *right = matrix + t->right, *below = matrix + t->below;
-        i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots)
-                     : t->size == 6 ? invert(pivot, 6, SIX)
-                                    : invert(pivot, t->size, t->pad);
+        const double *own = watch ? watch + t->unknown : 0;
+        i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots, own)
+                     : t->size == 6 ? invert(pivot, 6, SIX, own)
+                                    : invert(pivot, t->size, t->pad, own);
         if (failed) return f->order[k] + 1;
         if (!t->neighbors) continue;
         if (t->size > SMALL) solve_rows(pivot, t->size, t->pad, pivots + t->pivots, right, t->width);

@@ -166,10 +166,34 @@ static void add_coupling(struct problem *p, struct coupling *c, i64 number, doub
     }
 }
 
+/* What the rows of the multipliers are at least once their nodes are eliminated: by the diagonal alone. */
+static void expect(struct problem *p)
+{
+    i64 dofs = DOFS;
+    for (i64 u = 0; u < p->unknowns; u++) p->watch[u] = 0.0;
+    for (i64 n = 0; n < p->couplings; n++) {
+        const struct coupling *c = &p->coupling[n];
+        i64 together = c->gauss * c->count;
+        for (i64 cell = 0; cell < c->cells; cell++)
+            for (i64 a = 0; a < c->width; a++) {
+                const i64 *across = c->across + (cell * c->width + a) * 2, *along = c->along + (cell * c->width + a) * 2;
+                if (across[0] < 0) continue;
+                i64 place = p->place[c->nodes[cell * c->width + a]];
+                for (i64 at = 0; at < together; at++)
+                    for (i64 d = 0; d < dofs; d++) {
+                        double product = p->matrix[across[0] + d * across[1] + at] * p->matrix[along[0] + at * along[1] + d];
+                        double diagonal = p->matrix[p->diagonal[place + d]];
+                        if (product != 0.0) p->watch[c->spot[cell] + at] += __builtin_fabs(product / diagonal);
+                    }
+            }
+    }
+}
+
 /* Forces of all multipliers, violations (in the rows of the multipliers) and, if wanted, their tangent. */
 void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent)
 {
     for (i64 n = 0; n < p->couplings; n++) add_coupling(p, &p->coupling[n], number, begin, h, tangent);
+    if (tangent && p->couplings) expect(p);
 }
 
 /* Values of all constraints at control i, in the rows of the multipliers; returns the largest. */
@@ -246,7 +270,8 @@ i64 saddle_point(struct problem *p, i64 number, i64 i, double time)
             }
         }
     }
-    return factorize(p->fronts, p->matrix, p->pivots);
+    if (p->couplings) expect(p);
+    return factorize(p->fronts, p->matrix, p->pivots, p->watch);
 }
 
 /* out[node] += h W G' l, with the derivatives of saddle_point. */
@@ -314,5 +339,47 @@ i64 project(struct problem *p, i64 number, i64 i, i64 save, double time, double 
                 sum += p->mass[(n * dofs + d) * stride + e] * p->free[n * dofs + e] * p->unknown[p->place[n] + e];
             p->momenta[n * dofs + d] = p->free[n * dofs + d] * sum;
         }
+    return 0;
+}
+
+/* First node, plus 1, of a cell whose multipliers make rotations that alternate from node to node unstable, or 0.
+ *
+ * The screw strain of an element depends on such rotations, and forces of multipliers act as explicit ones do: they need
+ * h^2 K/4 < M with K = -l d2g along (eta, -eta) and M the inertia, both by axis and per length. */
+i64 overstrained(struct problem *p, double time, double h)
+{
+    i64 rows = ROWS, dofs = DOFS, stride = (dofs + LANES - 1) / LANES * LANES, known = 0;
+    vec stiffness[dofs * dofs], over[rows * rows], half[rows * dofs], out[dofs * dofs];
+    for (i64 n = 0; n < p->couplings; n++) {
+        struct coupling *c = &p->coupling[n];
+        if (!c->alternating) continue;
+        if (!known) mass_matrices(p, time, p->mass);
+        known = 1;
+        vec *q = (vec *)p->cells;
+        c->uniforms[0] = time;
+        ((prepare)c->setup)(c->uniforms);
+        for (i64 block = 0; block * LANES < c->cells; block++) {
+            gather(p, c->nodes + block * LANES * 2, 2, 1, q);
+            evaluate(p, c, block, 0, drives(p, c, 0, 0), q, 1);
+            memset(stiffness, 0, sizeof stiffness);
+            for (i64 pair = 0; pair < 4; pair++) {
+                i64 a = pair / 2, b = pair % 2;
+                memset(over, 0, sizeof over);
+                for (i64 e = c->starts[pair]; e < c->starts[pair + 1]; e++)
+                    over[c->entries[2 * e]] += ((vec *)c->data)[c->entries[2 * e + 1]];
+                pair_tangent(p, over, q + a * rows, q + b * rows, half, out);
+                for (i64 e = 0; e < dofs * dofs; e++) stiffness[e] += a == b ? out[e] : -out[e];
+            }
+            for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
+                i64 node = c->nodes[(block * LANES + lane) * 2];
+                double weight = ((const vec *)p->term[0].weight)[node / LANES][node % LANES];
+                for (i64 f = 0; f < p->fields; f++)
+                    for (i64 d = p->field[4 * f + 2]; p->field[4 * f] && d < p->field[4 * f + 2] + 3; d++)
+                        if (-0.25 * h * h * stiffness[d * dofs + d][lane] * weight >
+                            p->mass[(node * dofs + d) * stride + d])
+                            return node + 1;
+            }
+        }
+    }
     return 0;
 }

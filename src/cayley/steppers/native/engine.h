@@ -11,7 +11,7 @@
 typedef int64_t i64;
 typedef double vec __attribute__((vector_size(8 * LANES)));
 
-enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT };
+enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE };
 
 /* A part of the action (or a force density) that is evaluated at quadrature points of cells, LANES cells at a time.
  *
@@ -77,6 +77,7 @@ struct coupling {
     double *slopes;      /* left-trivialized derivatives at the first control, [blocks][gauss * count][width][dofs][LANES] */
     i64 multiplier_row;  /* where multipliers stand */
     i64 count;           /* constraints of a point */
+    i64 alternating;     /* whether its forces can make alternating rotations unstable (see overstrained) */
     i64 value;           /* row of g */
     i64 gradient;        /* row of its derivatives, by rows */
     i64 *starts;         /* of the Hessian of lambda g, see struct term */
@@ -132,6 +133,7 @@ struct problem {
     double *matrix;
     i64 matrix_size;
     i64 *pivots;
+    double *watch;       /* what rows of multipliers are at least, G D^-1 G' with the diagonal D; 0 for others; or null */
     double *unknown;     /* right-hand side, then correction */
     double *taken;       /* the last accepted correction */
     double *mass;        /* mass matrices, [nodes + 1][dofs][dofs padded to whole vectors] */
@@ -194,9 +196,9 @@ i64 matrix_size(i64 fronts);
 i64 pivot_count(i64 fronts);
 void unknown_starts(i64 fronts, i64 *start);
 void locate(i64 fronts, i64 count, const i64 *row, const i64 *column, i64 *found);
-i64 factorize(i64 fronts, double *matrix, i64 *pivots);
+i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch);
 void solve(i64 fronts, const double *matrix, const i64 *pivots, double *x);
-i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots);
+i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots, const double *watch);
 void solve_dense(const double *a, i64 n, i64 stride, const i64 *pivots, double *x);
 
 /* controls.c */
@@ -220,5 +222,6 @@ double violations(struct problem *p, i64 number, i64 i, double time);
 i64 saddle_point(struct problem *p, i64 number, i64 i, double time);
 void push_multipliers(struct problem *p, double h, double *out);
 i64 project(struct problem *p, i64 number, i64 i, i64 save, double time, double h);
+i64 overstrained(struct problem *p, double time, double h);
 
 #endif
