@@ -83,7 +83,7 @@ def simulate(
         return run(rule or rules.verlet, dt)
     _check_accuracy(accuracy, dt)
     task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return _run_chosen(task, _candidates(rule), run)
+    return _run_chosen(task, _candidates(rule, model), run)
 
 
 def advise(
@@ -105,7 +105,7 @@ def advise(
     """
     _check_accuracy(accuracy, None)
     task = _task(start_of_model(model, rotation, initial), t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return choose(task, _candidates(rule), thorough=True)
+    return choose(task, _candidates(rule, model), thorough=True)
 
 
 def integrate(
@@ -164,8 +164,10 @@ def _check_accuracy(accuracy: Any, dt: float | None) -> None:
         raise ValueError(f"accuracy is {accuracy!r}; give a number between 1e-12 and 0.5, such as 1e-3")
 
 
-def _candidates(rule: Rule | None) -> tuple[Rule, ...]:
-    return CANDIDATES if rule is None else (rule,)
+def _candidates(rule: Rule | None, model: Model) -> tuple[Rule, ...]:
+    """The rule given, or those that run the model: explicit ones do not know springs."""
+    known = tuple(one for one in CANDIDATES if one.implicit or not model.springs)
+    return known if rule is None else (rule,)
 
 
 def _task(
