@@ -150,8 +150,8 @@ def stage_table(system: System, state: State, stages: np.ndarray, steps: int) ->
 def load_entries(system: System) -> tuple[np.ndarray, np.ndarray]:
     """Loaded nodes.
 
-    Returns: (node, row, row of rotation, form, column, is moment, dof) per entry, shape (k, 7), and their factors and levers
-    (k, 4).
+    Returns: (node, row, row of rotation, form, column, is moment, dof) per entry, shape (k, 7), and their factors and
+    levers, shape (k, 4).
     """
     loads, layout = system.loads, system.layout
     if loads is None:
