@@ -13,20 +13,27 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
 from cayley.discrete.fused import fused_rows
 from cayley.discrete.node import mass_matrix, node_load, node_point
+from cayley.discrete.places import constants_at, placed
+from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.rules import lagrange, lobatto
 from cayley.lie import quaternion
 from cayley.system.discretize import discretize
 
 
-def forces_on_nodes(equations, nodes, length):
-    """Forces of the strain on the nodes of one element, from what the steppers of the rule compile."""
+def forces_on_nodes(equations, nodes, length, within):
+    """Forces of the strain on the nodes of one element, from what the steppers of the rule compile.
+
+    `within` has symbols for the constants that differ within an element; implicit steppers do without.
+    """
     density, rule, layout = equations.density, equations.rule, equations.layout
     if rule.one_stage:
         return fused_forces(equations, [to_sx(n) for n in nodes], length)
     if rule.implicit:
         return point_forces(equations, nodes, length)
     place = {"inverse": wrap(1.0 / length)} | {n: wrap(ca.SX(0)) for n in ("left", "right", "t")}
-    return length * ca.vertcat(*[to_sx(f) for f in element_forces(density, rule.strain, layout, tuple(nodes), place)])
+    place["at points"] = [constants_at(within, k) for k in range(len(rule.strain.at))]
+    by_ends = element_forces if rule.degree == 1 else polynomial_forces
+    return length * ca.vertcat(*[to_sx(f) for f in by_ends(density, rule.strain, layout, nodes, place)])
 
 
 def fused_forces(equations, ends, length):
@@ -71,13 +78,14 @@ def turned(layout, node):
 
 @functools.cache
 def functions(of):
-    """(rows of the nodes, length, parameters) -> forces, stiffness of an element; (node, parameters) -> load, mass."""
+    """(rows of the nodes, length, constants) -> forces, stiffness of an element; (node, constants) -> load, mass."""
     equations, layout, density = of.equations, of.equations.layout, of.equations.density
     nodes = [symbols(f"n{i}_", layout.rows) for i in range(equations.rule.degree + 1)]
     length, rows = ca.SX.sym("length"), ca.vertcat(*[to_sx(n) for n in nodes])
-    forces = forces_on_nodes(equations, nodes, length)
+    within = {name: ca.SX.sym(name) for name in placed(equations.varying)}
+    forces = forces_on_nodes(equations, nodes, length, within)
     stiffness = -ca.jacobian(forces, rows) @ ca.diagcat(*[turned(layout, n) for n in nodes])
-    inputs = [ca.vertcat(rows, length, density.parameters)]
+    inputs = [ca.vertcat(rows, length, density.parameters, *within.values())]
     element = ca.Function("element", inputs, [ca.densify(forces), ca.densify(stiffness)])
     place = {n: wrap(ca.SX(0)) for n in ("here", "t")}
     load = to_sx(node_load(density, layout, nodes[0], place))
@@ -101,7 +109,10 @@ class Discrete:
         self.system = discretize(model, rule)
         equations, self.layout = self.system.equations, self.system.layout
         self.element, self.node = functions(Derived(equations.signature, equations))
-        self.parameters = np.array(equations.density.values)
+        known = dict(zip(equations.density.names, equations.density.values, strict=True)) | dict(self.system.named)
+        names = (*equations.density.names, *placed(equations.varying))
+        self.constants = np.array([np.broadcast_to(known[name], self.system.size) for name in names]).T
+        self.parameters = self.constants[:, : len(equations.density.names)]
         first = np.arange(0, self.system.size - 1, rule.degree)
         self.nodes = first[:, None] + np.arange(rule.degree + 1)
         self.lengths = np.add.reduceat(self.system.named["length"][:-1], first)
@@ -110,7 +121,7 @@ class Discrete:
     def strained(self, values):
         """Forces of the strain (all unknowns) and stiffness (free ones)."""
         d, count = self.layout.dofs, len(self.lengths)
-        constants = np.broadcast_to(self.parameters, (count, len(self.parameters)))
+        constants = self.constants[self.nodes[:, 0]]
         columns = np.hstack([values[self.nodes].reshape(count, -1), self.lengths[:, None], constants]).T
         f, k = (np.asarray(m) for m in self.element(columns))
         where = (self.nodes[:, :, None] * d + np.arange(d)).reshape(count, -1)
@@ -122,9 +133,10 @@ class Discrete:
 
     def node_terms(self):
         """Dead loads of the nodes (all unknowns) and lumped masses (free ones, the diagonal)."""
-        weight, node = self.system.named["weight"][:, None], self.system.reference[0]
-        load, mass = (np.asarray(m) for m in self.node(node, self.parameters))
-        return (weight * load.T).reshape(-1), (weight * np.diag(mass)).reshape(-1)[self.free]
+        weight, size = self.system.named["weight"][:, None], self.system.size
+        load, mass = (np.asarray(m) for m in self.node(self.system.reference.T, self.parameters.T))
+        masses = np.diagonal(mass.reshape(self.layout.dofs, size, -1), axis1=0, axis2=2)
+        return (weight * load.T).reshape(-1), (weight * masses).reshape(-1)[self.free]
 
     def moved(self, values, step):
         """Values after an increment of the free unknowns, p Cay(½ η) of rotations."""
@@ -138,9 +150,9 @@ class Discrete:
         after[:, p] = quaternion.multiply(values[:, p], turn)
         return after
 
-    def settled(self, start=None, shares=(1.0,)):
-        """Values of all nodes in equilibrium with the dead loads, put on in shares, by Newton's method."""
-        values, load = self.system.reference if start is None else start, self.node_terms()[0]
+    def settled(self, start=None, shares=(1.0,), more=0.0):
+        """Values of all nodes in equilibrium with the dead loads and more, put on in shares, by Newton's method."""
+        values, load = self.system.reference if start is None else start, self.node_terms()[0] + more
         for share in shares:
             size, corrections = np.inf, 0
             while size > (1e-10 if share == shares[-1] else 0.05):

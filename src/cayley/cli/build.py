@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cayley.cli import expressions, problems, schema
+from cayley.cli.rods import make_rod, make_section
 from cayley.cli.schema import Place
 from cayley.cli.tie_build import body_of, guide_of, joint_of, motion_problems, port_of, side_of, spring_of
 from cayley.model import Material, Model, Part, Port, Rod, Section, loads, supports
@@ -46,10 +47,10 @@ def build(tables: schema.ScenarioTables) -> Model:
             found.add(("section", name, "material"), problems.unlike(section.material, tables.material))
         elif isinstance(section, schema.GivenTable) or section.material in materials:
             with found.at("section", name):
-                sections[name] = _section(section, materials)
+                sections[name] = make_section(section, materials)
     if not tables.rod and not tables.body:
         found.add(("rod",), "is missing; allowed: at least one [[rod]] or [[body]] table")
-    rods = _rods(tables, sections, found)
+    rods = _rods(tables, sections, materials, found)
     parts = rods | _bodies(tables, rods, found)
     found.stop()
     held = _supports(tables, parts, found)
@@ -85,7 +86,7 @@ class _Found:
         """
         try:
             yield
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, ImportError) as error:
             owner, _, text = str(error).partition(": ")
             if whole:
                 text = str(error)
@@ -96,29 +97,44 @@ class _Found:
             raise BuildError(self.lines)
 
 
-def _section(table: Any, materials: Mapping[str, Material]) -> Section:
-    values = table.model_dump(exclude={"shape", "material"}, exclude_none=True)
-    if table.shape == "given":
-        for key in ("stiffness", "inertia"):
-            rows = values[key]
-            values[key] = rows if any(isinstance(row, list) for row in rows) else np.diag(rows)
-        return Section.given(**values)
-    made: Section = getattr(Section, table.shape)(material=materials[table.material], **values)
-    return made
-
-
-def _rods(tables: schema.ScenarioTables, sections: Mapping[str, Section], found: _Found) -> dict[str, Rod]:
+def _rods(
+    tables: schema.ScenarioTables, sections: Mapping[str, Section], materials: Mapping[str, Material], found: _Found
+) -> dict[str, Rod]:
     rods: dict[str, Rod] = {}
     names = [table.name for table in tables.rod]
     for k, table in enumerate(tables.rod):
+        wanted = [table.section] if isinstance(table.section, str) else table.section
+        unknown = [(key, name) for key in ("section", "tip_section") for name in _named(table, key, tables.section)]
         if table.name in names[:k]:
             found.add(("rod", k, "name"), f"is {problems.shown(table.name)} again; allowed: a name of its own")
-        elif table.section not in tables.section:
-            found.add(("rod", k, "section"), problems.unlike(table.section, tables.section))
-        elif table.section in sections:
+        elif unknown:
+            for key, name in unknown:
+                found.add(("rod", k, key), problems.unlike(name, tables.section))
+        elif table.length is None and table.curve is None and table.points is None:
+            found.add(("rod", k, "length"), "is missing; allowed: a positive number [m], or curve or points instead")
+        elif not _check_curve(table, ("rod", k, "curve"), found):
+            continue
+        elif all(name in sections for name in [*wanted, *([table.tip_section] if table.tip_section else [])]):
             with found.at("rod", k):
-                rods[table.name] = Rod(sections[table.section], **table.model_dump(exclude={"section"}))
+                rods[table.name] = make_rod(table, sections, tables.section, materials)
     return rods
+
+
+def _named(table: schema.RodTable, key: str, known: Mapping[str, Any]) -> list[str]:
+    """Names of sections in a key that are none."""
+    given = getattr(table, key)
+    names = [given] if isinstance(given, str) else given or []
+    return [name for name in names if name not in known]
+
+
+def _check_curve(table: schema.RodTable, place: Place, found: _Found) -> bool:
+    good, (first, last) = True, table.span
+    for j, part in enumerate(table.curve or ()):
+        wrong = expressions.check(part, np.linspace(first, last, _PROBES).tolist()) if isinstance(part, str) else None
+        if wrong:
+            found.add((*place, j), f"{problems.shown(part)} {wrong}; allowed: {expressions.LANGUAGE}")
+            good = False
+    return good
 
 
 def _bodies(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> dict[str, Part]:

@@ -17,18 +17,21 @@ from cayley.cli.schema_base import vector as _vector
 from cayley.cli.tie_schema import BodyTable, JointTable, SpringTable
 
 _AXES = 'letters out of "xyz", each once'
-_SHEAR = "a positive number [-], or two of them in brackets, one for each axis of the section"
+_SHEAR = 'a positive number [-], two in brackets, one for each axis of the section, "cowper" or "none"'
+_MATERIAL = "the name of a material"
 _ROWS = "[N, N, N, N m^2, N m^2, N m^2]"
 
 Axes = Annotated[str, Field(pattern=r"^(?!.*(.).*\1)[xyz]*$")]
 Value = Annotated[list[float | str], Field(min_length=3, max_length=3)]
-ShearCorrection = float | Annotated[list[float], Field(min_length=2, max_length=2)]
+ShearCorrection = Literal["cowper", "none"] | float | Annotated[list[float], Field(min_length=2, max_length=2)]
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Outline = Annotated[list[Pair], Field(min_length=3)]
 Until = Annotated[float, Field(allow_inf_nan=True)]
 
 
-def _rows(name: str, size: int, units: str) -> Any:
+def _rows(name: str, size: int, units: str, default: Any = ...) -> Any:
     text = f"{size} rows of {size} numbers, or the {size} numbers of the diagonal {units}"
-    return Field(min_length=size, max_length=size, description=text)
+    return Field(default, min_length=size, max_length=size, description=text)
 
 
 class MaterialTable(Table):
@@ -72,25 +75,79 @@ class TubeTable(Table):
     shear_correction: ShearCorrection | None = Field(None, description=_SHEAR)
 
 
+class EllipseTable(Table):
+    """`[section.NAME]` with shape = "ellipse": half axes along d1 and d2."""
+
+    shape: Literal["ellipse"]
+    material: str = Field(description=_MATERIAL)
+    half_width: float = _positive("m")
+    half_height: float = _positive("m")
+    shear_correction: ShearCorrection | None = Field(None, description=_SHEAR)
+
+
+class WallsTable(Table):
+    """`[section.NAME]` with shape = "i_beam" or "box": overall width along d1 and height along d2, and two walls."""
+
+    shape: Literal["i_beam", "box"]
+    material: str = Field(description=_MATERIAL)
+    width: float = _positive("m")
+    height: float = _positive("m")
+    flange: float = _positive("m")
+    web: float = _positive("m")
+    shear_correction: ShearCorrection | None = Field(None, description=_SHEAR)
+    torsion: Literal["saint-venant", "thin-wall"] | float | None = Field(
+        None, description='"saint-venant", "thin-wall", or a positive number [m^4]'
+    )
+
+
+class PolygonTable(Table):
+    """`[section.NAME]` with shape = "polygon": corners around it and around each of its holes."""
+
+    shape: Literal["polygon"]
+    material: str = Field(description=_MATERIAL)
+    outline: Outline = Field(description="3 or more points in brackets, two numbers each [m]")
+    holes: list[Outline] = Field([], description="lists of 3 or more points, two numbers each [m]")
+    axes: Literal["given", "principal"] = Field("given", description='"given" or "principal"')
+    shear_correction: Literal["none"] | float | Pair | None = Field(
+        None, description='a positive number [-], two in brackets, one for each axis of the section, or "none"'
+    )
+    torsion: Literal["saint-venant", "polar"] | float | None = Field(
+        None, description='"saint-venant", "polar", or a positive number [m^4]'
+    )
+
+
 class GivenTable(Table):
     """`[section.NAME]` with shape = "given": stiffness and inertia as numbers."""
 
     shape: Literal["given"]
     stiffness: list[float | list[float]] = _rows("stiffness", 6, _ROWS)
-    mass_per_length: float = _positive("kg/m")
-    inertia: list[float | list[float]] = _rows("inertia", 3, "[kg m]")
+    mass_per_length: float | None = Field(None, gt=0, description="a positive number [kg/m]")
+    inertia: list[float | list[float]] | None = _rows("inertia", 3, "[kg m]", None)
+    mass: list[float | list[float]] | None = _rows("mass", 6, "[kg/m, kg, kg m]", None)
+    mass_center: Pair = Field([0.0, 0.0], description="two numbers in brackets [m]")
+    shear_center: Pair = Field([0.0, 0.0], description="two numbers in brackets [m]")
 
 
 class RodTable(Table):
     """`[[rod]]`: see `cayley.Rod`."""
 
     name: Name = Field("rod", description=_NAME)
-    section: str = Field(description="the name of a section")
-    length: float = _positive("m")
+    section: str | list[str] = Field(description="the name of a section, or a list of names, one an element")
+    tip_section: str | None = Field(None, description="the name of a section of the same shape")
+    length: float | None = Field(None, gt=0, description="a positive number [m]")
     elements: int = Field(ge=1, description="a whole number, at least 1")
     origin: Vector = _vector("m", [0.0, 0.0, 0.0])
     direction: Vector = _vector("-", [0.0, 0.0, 1.0])
     normal: Vector | None = _vector("-", None)
+    curve: Value | None = Field(None, description=f"three numbers, or expressions of a parameter t ({LANGUAGE})")
+    span: Pair = Field([0.0, 1.0], description="two numbers in brackets, the t of the first and of the last node")
+    points: list[Vector] | None = Field(None, min_length=2, description="two or more points, three numbers each [m]")
+    path: Literal["lines", "spline"] = Field("lines", description='"lines" or "spline"')
+    twist: float = Field(0.0, description="a number [rad]")
+    spacing: list[Annotated[float, Field(gt=0)]] | None = Field(
+        None, description="positive numbers in brackets, one an element"
+    )
+    stretched: float = Field(1.0, gt=0, description="a positive number [-]")
     kinematics: Literal["shearable", "unshearable", "inextensible"] = Field(
         "shearable", description='"shearable", "unshearable" or "inextensible"'
     )
@@ -185,7 +242,10 @@ class NotesTable(Table):
     paragraphs: list[str] = Field(description="texts in brackets")
 
 
-SectionTable = Annotated[RectangleTable | CircleTable | TubeTable | GivenTable, Discriminator("shape")]
+SectionTable = Annotated[
+    RectangleTable | CircleTable | TubeTable | EllipseTable | WallsTable | PolygonTable | GivenTable,
+    Discriminator("shape"),
+]
 SupportTable = Annotated[PinTable | HoldTable | tie_schema.AnyGuide, Discriminator("kind")]
 LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable, Discriminator("kind")]
 
@@ -214,7 +274,19 @@ _ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes":
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
 _MANY["body"] = BodyTable
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
-    "section": ("shape", {"rectangle": RectangleTable, "circle": CircleTable, "tube": TubeTable, "given": GivenTable}),
+    "section": (
+        "shape",
+        {
+            "rectangle": RectangleTable,
+            "circle": CircleTable,
+            "tube": TubeTable,
+            "ellipse": EllipseTable,
+            "i_beam": WallsTable,
+            "box": WallsTable,
+            "polygon": PolygonTable,
+            "given": GivenTable,
+        },
+    ),
     "support": ("kind", {"pin": PinTable, "clamp": PinTable, "hold": HoldTable, **tie_schema.GUIDES}),
     "joint": ("kind", tie_schema.JOINTS),
     "spring": ("kind", tie_schema.SPRINGS),

@@ -11,6 +11,10 @@ from cayley.discrete.program import Assign, Newton, Step
 TOLERANCE = 1e-14
 """Newton stops when the error left, estimated from its last two corrections, is this fraction of the unknowns."""
 
+SMALL = 1e-10
+"""Where fields of different units are solved together, a correction that is this fraction of the unknowns is the last
+but one: Newton's method then leaves the square of it, less than round-off."""
+
 
 @dataclass(frozen=True, slots=True)
 class Block:
@@ -74,6 +78,9 @@ def solve_steps(residual: ca.SX, unknown: ca.SX, blocks: tuple[Block, ...]) -> l
         after = own + one + two
         error = ca.sumsqr(two) ** 2
         bound = TOLERANCE**2 * ca.sumsqr(one) * ca.sumsqr(after)
+        if len(u) > 3:  # a rotation with a translation, whose rounding, over a lever, is more than TOLERANCE of a turn
+            small = ca.sumsqr(one) - SMALL**2 * ca.sumsqr(after)
+            error, bound = ca.fmin(error - bound, small), ca.SX(0)
         steps.append(Newton(tuple(u), begin, tuple(ca.vertsplit(after)), error, bound))
     return steps
 

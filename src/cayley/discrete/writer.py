@@ -239,9 +239,9 @@ class Writer:
     def _observe_element(self) -> tuple[ca.SX, dict[str, Expression]]:
         """Strain energy of an element between two nodes; its forces on them and its slopes."""
         place, layout = self._place(), self.layout
-        strain_at = self.rule.strain if self.rule.degree == 1 else MIDDLE  # results.interpolated does higher degrees
-        if "at points" in place:
-            place["at points"] = place["at points"][: len(strain_at.at)]
+        strain_at = self.rule.strain
+        if self.rule.degree > 1:  # results.interpolated does higher degrees
+            strain_at, place = MIDDLE, place | {"at points": [{}]}
         ends, length = (self.nodes[0], self.next), wrap(self.symbol["length"])
         left, right = element_forces(self.density, strain_at, layout, ends, place)
         strain = wrap(element_energy(self.density, strain_at, layout, ends, place)) * length

@@ -18,8 +18,9 @@ from cayley.model.validate import Array
 
 SAMPLES = 13
 """Points in every element: polynomials of degree 12 follow an arc of 90 degrees to 2e-15 of its radius."""
-PIECES = 64
-"""Pieces of a curve in which its length is measured, each by a polynomial through SAMPLES points."""
+PIECES = 8
+"""Least number of pieces in which a curve is measured, each by a polynomial through SAMPLES points; else one for every
+element. More would cost digits of the derivative."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -85,7 +86,7 @@ def along(
         TypeError: something is no function, or does not return numbers.
         ValueError: the curve stands still somewhere, or gives no 3 finite numbers.
     """
-    measured = _Measured(_checked("curve", curve, (3,)), span, tangent)
+    measured = _Measured(_checked("curve", curve, (3,)), span, tangent, max(PIECES, len(shares)))
     ends = np.concatenate([[0.0], np.cumsum(shares)])
     ends *= measured.length / ends[-1]
     stations = ends[:-1, None] + np.diff(ends)[:, None] * chebyshev(SAMPLES)[None, :-1]
@@ -186,13 +187,13 @@ def continuous(turned: Array) -> Array:
 class _Measured:
     """A curve with its arc length."""
 
-    def __init__(self, curve: Callable[[float], Array], span: Any, tangent: Any) -> None:
-        """Measure it: s(u) = ∫ ‖r'‖ du, a polynomial in each of PIECES pieces."""
+    def __init__(self, curve: Callable[[float], Array], span: Any, tangent: Any, pieces: int) -> None:
+        """Measure it: s(u) = ∫ ‖r'‖ du, a polynomial in each of its pieces."""
         pair = validate.array("Rod", "span", span, (2,), "2 different numbers, the u of the first and the last node")
         if pair[0] == pair[1]:
             raise ValueError(validate.wrong("Rod", "span", span, "2 different numbers"))
         self.curve = curve
-        self.edges = np.linspace(pair[0], pair[1], PIECES + 1)
+        self.edges = np.linspace(pair[0], pair[1], pieces + 1)
         points = 2.0 * chebyshev(SAMPLES) - 1.0
         u = self.edges[:-1, None] + np.diff(self.edges)[:, None] * chebyshev(SAMPLES)
         self._way = self._derivative(u, points, tangent)
@@ -201,7 +202,7 @@ class _Measured:
             where = u.reshape(-1)[int(speed.argmin())]
             raise ValueError(f"Rod: curve stands still at {where:g}; give one whose derivative is zero nowhere")
         half = 0.5 * np.abs(np.diff(self.edges))
-        grown = [series.chebint(half[k] * series.chebfit(points, speed[k], SAMPLES - 1)) for k in range(PIECES)]
+        grown = [series.chebint(half[k] * series.chebfit(points, speed[k], SAMPLES - 1)) for k in range(pieces)]
         self._grown = np.array(grown).T
         self._grown[0] -= series.chebval(-1.0, self._grown)
         self._starts = np.concatenate([[0.0], np.cumsum(series.chebval(1.0, self._grown))])
@@ -214,7 +215,7 @@ class _Measured:
 
     def parameters(self, s: Array) -> Array:
         """The u at arc lengths s, by Newton's method in the piece where each is."""
-        piece = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, PIECES - 1)
+        piece = np.clip(np.searchsorted(self._starts, s, side="right") - 1, 0, len(self.edges) - 2)
         grown = self._grown[:, piece]
         slope = series.chebder(grown)
         missing = s - self._starts[piece]
@@ -240,7 +241,7 @@ class _Measured:
         rising = np.sign(self.edges[-1] - self.edges[0])
 
         def derivative(v: Array) -> Array:
-            piece = np.clip(np.searchsorted(rising * self.edges, rising * v, side="right") - 1, 0, PIECES - 1)
+            piece = np.clip(np.searchsorted(rising * self.edges, rising * v, side="right") - 1, 0, len(self.edges) - 2)
             x = 2.0 * (v - self.edges[piece]) / np.diff(self.edges)[piece] - 1.0
             table = np.polynomial.chebyshev.chebvander(x, slopes.shape[1] - 1)
             return np.asarray(np.einsum("nk,nkr->nr", table, slopes[piece]), dtype=float)

@@ -38,9 +38,10 @@ def basis(count: int, at: Array) -> Array:
     weights[[0, -1]] *= 0.5
     away = np.asarray(at, dtype=float)[:, None] - chebyshev(count)
     hit = away == 0.0
-    found = weights / np.where(hit, 1.0, away)
-    found /= found.sum(axis=1, keepdims=True)
-    return np.where(hit.any(axis=1, keepdims=True), hit.astype(float), found)
+    at_point = hit.any(axis=1, keepdims=True)
+    found = weights / np.where(at_point, 1.0, away)
+    total = np.where(at_point, 1.0, found.sum(axis=1, keepdims=True))
+    return np.where(at_point, hit.astype(float), found / total)
 
 
 __all__ = ["basis", "chebyshev"]

@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cayley.model import validate
+from cayley.model import formulas, validate
+from cayley.model.areas import Areas, areas, closed, refuse_outside
+from cayley.model.formulas import ShearCorrection, shear_pair, torsion_constant
 from cayley.model.material import Material
+from cayley.model.offsets import INERTIA_ROWS, moved_shear, pair, section_inertia
 from cayley.model.validate import Array
 
-_ZETA_5 = 1.0369277551433699263  # Riemann zeta at 5, for the torsion series
+if TYPE_CHECKING:
+    from cayley.model.torsion import Torsion
+
 _CIRCLE_POINTS = 32
 _STIFFNESS_ROWS = "shear 1, shear 2, axial, bend 1, bend 2, twist [N, N m, N m^2]"
-_INERTIA_ROWS = "about e1, e2, e3 [kg m]"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Section:
     """A cross-section of a rod: e1 and e2 lie in it, e3 is the rod axis, through the centroid of the shapes made here.
 
-    Usually made by `rectangle`, `circle`, `tube` or `given`. Two sections are equal only if they are the same object.
+    Usually made by `rectangle`, `circle`, `tube`, `ellipse`, `i_beam`, `box`, `polygon` or `given`. Two
+    sections are equal only if they are the same object.
 
     Attributes:
         stiffness: C [N, N m, N m^2], shape (6, 6), symmetric and positive definite, read-only; it maps
@@ -46,7 +53,7 @@ class Section:
         """Check and freeze the values."""
         stiffness = validate.positive_definite("Section", "stiffness", self.stiffness, 6, _STIFFNESS_ROWS)
         mass = validate.positive("Section", "mass_per_length", self.mass_per_length, "kg/m")
-        inertia = validate.positive_definite("Section", "inertia", self.inertia, 3, _INERTIA_ROWS)
+        inertia = validate.positive_definite("Section", "inertia", self.inertia, 3, INERTIA_ROWS)
         outline = validate.array("Section", "outline", self.outline, (-1, 2), "points (x, y) [m], shape (k, 2)")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "mass_per_length", mass)
@@ -76,7 +83,7 @@ class Section:
         height: float,
         material: Material,
         *,
-        shear_correction: float | tuple[float, float] = 5.0 / 6.0,
+        shear_correction: ShearCorrection = 5.0 / 6.0,
         torsion: str | float | None = None,
     ) -> Section:
         """A solid rectangle, its width along e1 and its height along e2.
@@ -88,7 +95,7 @@ class Section:
             width: w, extent along e1 [m].
             height: h, extent along e2 [m].
             material: its material.
-            shear_correction: κ [-], one number or one for each of e1 and e2.
+            shear_correction: κ [-], one number or one for each of e1 and e2; "cowper": 10(1 + ν)/(12 + 11ν); "none": 1.
             torsion: torsion constant It: "polar", the moment I1 + I2, which neglects warping and is too stiff (by 19 %
                 for a square, without bound for a strip); "saint-venant", the exact one of a long prism; or a number
                 [m^4]. None means "polar", as in Leitz et al. (2014).
@@ -101,23 +108,17 @@ class Section:
         w = validate.positive(owner, "width", width, "m")
         h = validate.positive(owner, "height", height, "m")
         moments = (w * h**3 / 12.0, h * w**3 / 12.0)
-        if torsion is None or isinstance(torsion, str):
-            word = "polar" if torsion is None else torsion
-            if word not in ("polar", "saint-venant"):
-                right = '"polar", "saint-venant" or a number [m^4]'
-                raise ValueError(validate.wrong(owner, "torsion", torsion, right))
-            constant = sum(moments) if word == "polar" else _saint_venant(w, h)
-        else:
-            constant = validate.positive(owner, "torsion", torsion, "m^4")
+        words = {"polar": sum(moments), "saint-venant": formulas.saint_venant(w, h)}
+        constant = torsion_constant(owner, "polar" if torsion is None else torsion, words)
         outline = 0.5 * np.array([[w, h], [-w, h], [-w, -h], [w, -h]])
-        kappa = _shear_correction(owner, shear_correction)
+        cowper = formulas.cowper_rectangle(_material(owner, material).poisson_ratio)
+        kappa = shear_pair(owner, shear_correction, (cowper, cowper))
         name = f"rectangle {w:g} m x {h:g} m"
-        return cls._solid(owner, material, w * h, moments, constant, kappa, outline, name)
+        whole = Areas(area=w * h, centroid=(0.0, 0.0), moments=(*moments, 0.0))
+        return cls._solid(owner, material, whole, constant, kappa, outline, name)
 
     @classmethod
-    def circle(
-        cls, radius: float, material: Material, *, shear_correction: float | tuple[float, float] | None = None
-    ) -> Section:
+    def circle(cls, radius: float, material: Material, *, shear_correction: ShearCorrection | None = None) -> Section:
         """A solid circle.
 
         A = πr²,  I1 = I2 = πr⁴/4,  It = πr⁴/2,  κ = 6(1 + ν)/(7 + 6ν)
@@ -125,7 +126,7 @@ class Section:
         Args:
             radius: r [m].
             material: its material.
-            shear_correction: κ [-], one number or one for each of e1 and e2; None means the value above.
+            shear_correction: κ [-], one number or one for each of e1 and e2; None or "cowper": that above; "none": 1.
 
         Raises:
             TypeError: a value is not a number, or the material not a Material.
@@ -144,7 +145,7 @@ class Section:
         outer_radius: float,
         thickness: float,
         material: Material,
-        shear_correction: float | tuple[float, float] | None = None,
+        shear_correction: ShearCorrection | None = None,
     ) -> Section:
         """A round tube of any wall thickness.
 
@@ -158,7 +159,7 @@ class Section:
             outer_radius: r [m].
             thickness: t, of the wall [m], below the outer radius.
             material: its material.
-            shear_correction: κ [-], one number or one for each of e1 and e2; None means the value above.
+            shear_correction: κ [-], one number or one for each of e1 and e2; None or "cowper": that above; "none": 1.
 
         Raises:
             TypeError: a value is not a number, or the material not a Material.
@@ -175,7 +176,192 @@ class Section:
         return cls._annulus(owner, r, r - t, material, shear_correction, f"tube of radius {r:g} m, wall {t:g} m")
 
     @classmethod
-    def given(cls, *, stiffness: ArrayLike, mass_per_length: float, inertia: ArrayLike) -> Section:
+    def ellipse(
+        cls, half_width: float, half_height: float, material: Material, *, shear_correction: ShearCorrection = "cowper"
+    ) -> Section:
+        """A solid ellipse, half axes a along e1 and b along e2.
+
+        A = πab,  I1 = πab³/4,  I2 = πa³b/4,  It = πa³b³/(a² + b²)
+
+        Args:
+            half_width: a [m].
+            half_height: b [m].
+            material: its material.
+            shear_correction: κ [-], one number or one for each of e1 and e2; "cowper": his for an ellipse; "none": 1.
+
+        Raises:
+            TypeError: a value is not a number, or the material not a Material.
+            ValueError: a value is not positive and finite.
+
+        Source: Timoshenko and Goodier, Theory of Elasticity, art. 106; Cowper (1966).
+        """
+        owner = "Section.ellipse"
+        a = validate.positive(owner, "half_width", half_width, "m")
+        b = validate.positive(owner, "half_height", half_height, "m")
+        nu = _material(owner, material).poisson_ratio
+        area = math.pi * a * b
+        whole = Areas(area=area, centroid=(0.0, 0.0), moments=(0.25 * area * b * b, 0.25 * area * a * a, 0.0))
+        constant = math.pi * (a * b) ** 3 / (a * a + b * b)
+        cowper = (formulas.cowper_ellipse(a / b, nu), formulas.cowper_ellipse(b / a, nu))
+        kappa = shear_pair(owner, shear_correction, cowper)
+        name = f"ellipse {2.0 * a:g} m x {2.0 * b:g} m"
+        return cls._solid(owner, material, whole, constant, kappa, _unit_circle() * [a, b], name)
+
+    @classmethod
+    def i_beam(
+        cls,
+        *,
+        width: float,
+        height: float,
+        flange: float,
+        web: float,
+        material: Material,
+        shear_correction: ShearCorrection = "cowper",
+        torsion: str | float = "saint-venant",
+    ) -> Section:
+        """A doubly symmetric I, its web along e2.
+
+        Args:
+            width: b, of the flanges, along e1 [m].
+            height: h, overall, along e2 [m].
+            flange: their thickness t [m].
+            web: its thickness [m].
+            material: its material.
+            shear_correction: κ [-], one number or one for each of e1 and e2; "cowper": his for a thin-walled I along
+                e2, and along e1 that of the two flanges as rectangles, 2bt/A of his for one; "none": 1.
+            torsion: "saint-venant", by finite elements (needs scikit-fem); "thin-wall", Σ length × thickness³/3; or a
+                number [m^4]. Warping is free.
+
+        Raises:
+            TypeError: a value is not a number, or the material not a Material.
+            ValueError: a value is not positive and finite, or the flanges or the web fill the outline.
+            ImportError: for "saint-venant", scikit-fem is not installed.
+        """
+        owner = "Section.i_beam"
+        b, h, t, w = _sizes(owner, width=width, height=height, flange=flange, web=web)
+        _thinner(owner, "web", w, b)
+        _thinner(owner, "flange", t, 0.5 * h)
+        right = [[w, t - 0.5 * h], [w, 0.5 * h - t], [b, 0.5 * h - t], [b, 0.5 * h]]
+        half = np.array([[b, -0.5 * h], [b, t - 0.5 * h], *right]) * [0.5, 1.0]
+        outline = np.concatenate([half, -half])
+        whole, nu = areas(outline), _material(owner, material).poisson_ratio
+        along_web = formulas.cowper_walls(2.0 * b * t / ((h - t) * w), b / (h - t), nu, closed=False)
+        cowper = (formulas.cowper_rectangle(nu) * 2.0 * b * t / whole.area, along_web)
+        words = {
+            "saint-venant": lambda: _torsion(owner, outline, ()).constant,
+            "thin-wall": (2.0 * b * t**3 + (h - 2.0 * t) * w**3) / 3.0,
+        }
+        constant, kappa = torsion_constant(owner, torsion, words), shear_pair(owner, shear_correction, cowper)
+        return cls._solid(owner, material, whole, constant, kappa, outline, f"I-beam {b:g} m x {h:g} m")
+
+    @classmethod
+    def box(
+        cls,
+        *,
+        width: float,
+        height: float,
+        flange: float,
+        web: float,
+        material: Material,
+        shear_correction: ShearCorrection = "cowper",
+        torsion: str | float = "saint-venant",
+    ) -> Section:
+        """A rectangular tube, its width along e1 and its height along e2.
+
+        Args:
+            width: b, overall, along e1 [m].
+            height: h, overall, along e2 [m].
+            flange: thickness of the two walls along e1 [m].
+            web: thickness of the two walls along e2 [m].
+            material: its material.
+            shear_correction: κ [-], one number or one for each of e1 and e2; "cowper": his for a thin-walled box;
+                "none": 1.
+            torsion: "saint-venant", by finite elements (needs scikit-fem); "thin-wall", Bredt's 4A²/Σ(length/thickness)
+                of the midlines; or a number [m^4].
+
+        Raises:
+            TypeError: a value is not a number, or the material not a Material.
+            ValueError: a value is not positive and finite, or the walls fill the outline.
+            ImportError: for "saint-venant", scikit-fem is not installed.
+        """
+        owner = "Section.box"
+        b, h, t, w = _sizes(owner, width=width, height=height, flange=flange, web=web)
+        _thinner(owner, "web", w, 0.5 * b)
+        _thinner(owner, "flange", t, 0.5 * h)
+        corners = 0.5 * np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+        outline, hole = corners * [b, h], corners * [b - 2.0 * w, h - 2.0 * t]
+        whole, nu = areas(outline, (hole,)), _material(owner, material).poisson_ratio
+        wide, high = b - w, h - t
+        m, n = wide * t / (high * w), wide / high
+        cowper = [formulas.cowper_walls(m, n, nu, closed=True), formulas.cowper_walls(1 / m, 1 / n, nu, closed=True)]
+        words = {
+            "saint-venant": lambda: _torsion(owner, outline, (hole,)).constant,
+            "thin-wall": 2.0 * (wide * high) ** 2 / (wide / t + high / w),
+        }
+        constant = torsion_constant(owner, torsion, words)
+        kappa = shear_pair(owner, shear_correction, (cowper[1], cowper[0]))
+        return cls._solid(owner, material, whole, constant, kappa, outline, f"box {b:g} m x {h:g} m")
+
+    @classmethod
+    def polygon(
+        cls,
+        outline: ArrayLike,
+        material: Material,
+        *,
+        holes: Sequence[ArrayLike] = (),
+        axes: str = "given",
+        shear_correction: ShearCorrection = 5.0 / 6.0,
+        torsion: str | float = "saint-venant",
+    ) -> Section:
+        """Any polygon with holes; the rod axis passes through its centroid, wherever the outline was drawn.
+
+        C[3:5, 3:5] = E ((I1, −I12), (−I12, I2)),  I1 = ∫ y2² dA,  I2 = ∫ y1² dA,  I12 = ∫ y1 y2 dA
+
+        Args:
+            outline: corners around it, either way, shape (k, 2) [m].
+            material: its material.
+            holes: corners around each hole.
+            axes: "given": e1 and e2 as the outline was drawn; "principal": turned so that I12 vanishes.
+            shear_correction: κ [-], one number or one for each of e1 and e2; "none": 1. The value for a rectangle is
+                taken if nothing is given, for there is no formula.
+            torsion: "saint-venant", by finite elements (needs scikit-fem), with the shear center; "polar", I1 + I2,
+                which is far too stiff for thin walls; or a number [m^4]. The last two twist about the centroid.
+
+        Raises:
+            TypeError: a value is not a number, or the material not a Material.
+            ValueError: an outline that is none, a hole outside or across another, or a value out of range.
+            ImportError: for "saint-venant", scikit-fem is not installed.
+        """
+        owner = "Section.polygon"
+        ring = closed(owner, "outline", outline)
+        inner = [closed(owner, f"holes[{k}]", hole) for k, hole in enumerate(holes)]
+        refuse_outside(owner, ring, inner)
+        validate.option(owner, "axes", axes, ("given", "principal"))
+        whole = areas(ring, inner)
+        angle = whole.principal_angle if axes == "principal" else 0.0
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        ring, *inner = [(points - np.array(whole.centroid)) @ turn for points in (ring, *inner)]
+        whole = areas(ring, inner)
+        center = (0.0, 0.0)
+        if torsion == "saint-venant":
+            warped = _torsion(owner, ring, inner)
+            torsion, center = warped.constant, warped.shear_center
+        words = {"saint-venant": 0.0, "polar": whole.moments[0] + whole.moments[1]}
+        constant, kappa = torsion_constant(owner, torsion, words), shear_pair(owner, shear_correction, None)
+        name = f"polygon of {len(ring)} corners" + (f", {len(inner)} holes" if inner else "")
+        return cls._solid(owner, material, whole, constant, kappa, ring, name, center)
+
+    @classmethod
+    def given(
+        cls,
+        *,
+        stiffness: ArrayLike,
+        mass_per_length: float | None = None,
+        inertia: ArrayLike | None = None,
+        mass: ArrayLike | None = None,
+        mass_center: tuple[float, float] = (0.0, 0.0),
+        shear_center: tuple[float, float] = (0.0, 0.0),
+    ) -> Section:
         """A section known by its stiffness and inertia alone, coupled or not.
 
         Drawn as the ellipse that has the same mass and the same moments of inertia about e1 and e2.
@@ -184,18 +370,29 @@ class Section:
             stiffness: symmetric positive definite, shape (6, 6), order shear 1, shear 2, axial, bend 1, bend 2, twist
                 [N, N m, N m^2].
             mass_per_length: [kg/m].
-            inertia: symmetric positive definite, per length, in the body frame [kg m], shape (3, 3).
+            inertia: symmetric positive definite, per length, in the body frame, about the mass center [kg m],
+                shape (3, 3).
+            mass: instead of these two and mass_center: M of ½ v·M v with v = (Λᵀẋ, ω) at the axis, shape (6, 6),
+                ((m 1, −hat S), (hat S, J)), S = m (mass center) [kg/m, kg, kg m].
+            mass_center: where it lies along e1 and e2, from the axis [m].
+            shear_center: where the shear forces and the twist of the stiffness act, along e1 and e2 from the axis [m];
+                axial force and bending stay at the axis.
 
         Raises:
             TypeError: a value is not a number.
-            ValueError: a matrix is not of that shape, symmetric and positive definite, or the mass not positive.
+            ValueError: a matrix is not of that shape, symmetric and positive definite, or the mass not positive; mass
+                given beside the others, or neither.
         """
-        stiff = validate.positive_definite("Section", "stiffness", stiffness, 6, _STIFFNESS_ROWS)
-        mass = validate.positive("Section", "mass_per_length", mass_per_length, "kg/m")
-        rotary = validate.positive_definite("Section", "inertia", inertia, 3, _INERTIA_ROWS)
-        half_axes = 2.0 * np.sqrt(np.array([rotary[1, 1], rotary[0, 0]]) / mass)  # I1 = m b^2/4 and I2 = m a^2/4
-        outline = _unit_circle() * half_axes
-        return cls(stiffness=stiff, mass_per_length=mass, inertia=rotary, outline=outline)
+        owner = "Section"
+        stiff = validate.positive_definite(owner, "stiffness", stiffness, 6, _STIFFNESS_ROWS)
+        m, center, rotary = section_inertia(owner, mass_per_length, inertia, mass, mass_center)
+        at = pair(owner, "shear_center", shear_center)
+        about = rotary - m * (center @ center * np.eye(3) - np.outer(center, center))
+        half_axes = 2.0 * np.sqrt(np.array([about[1, 1], about[0, 0]]) / m)  # I1 = m b^2/4 and I2 = m a^2/4
+        outline = _unit_circle() * half_axes + center[:2]
+        shifted = moved_shear(stiff, at) if any(at) else stiff
+        place = (float(center[0]), float(center[1]))
+        return cls(stiffness=shifted, mass_per_length=m, inertia=rotary, outline=outline, mass_center=place)
 
     @classmethod
     def _annulus(
@@ -204,73 +401,65 @@ class Section:
         outer: float,
         inner: float,
         material: Material,
-        shear_correction: float | tuple[float, float] | None,
+        shear_correction: ShearCorrection | None,
         name: str,
     ) -> Section:
         nu = _material(owner, material).poisson_ratio
         # outer^2 - inner^2 as a product: a thin wall keeps its digits
         area = math.pi * (outer - inner) * (outer + inner)
         moment = 0.25 * area * (outer**2 + inner**2)
-        kappa = _cowper(inner / outer, nu) if shear_correction is None else shear_correction
-        pair = _shear_correction(owner, kappa)
+        cowper = formulas.cowper_tube(inner / outer, nu)
+        kappa = "cowper" if shear_correction is None else shear_correction
+        both = shear_pair(owner, kappa, (cowper, cowper))
         outline = outer * _unit_circle()
-        return cls._solid(owner, material, area, (moment, moment), 2.0 * moment, pair, outline, name)
+        whole = Areas(area=area, centroid=(0.0, 0.0), moments=(moment, moment, 0.0))
+        return cls._solid(owner, material, whole, 2.0 * moment, both, outline, name)
 
     @classmethod
     def _solid(
         cls,
         owner: str,
         material: Material,
-        area: float,
-        moments: tuple[float, float],
+        whole: Areas,
         torsion: float,
         kappa: tuple[float, float],
         outline: Array,
         name: str,
+        shear_center: tuple[float, float] = (0.0, 0.0),
     ) -> Section:
+        """Of one material, referred to its centroid."""
         matter = _material(owner, material)
         young, shear = matter.youngs_modulus, matter.shear_modulus
-        i1, i2 = moments
-        shear_area = shear * area
-        forces = (kappa[0] * shear_area, kappa[1] * shear_area, young * area)
+        i1, i2, i12 = whole.moments
+        if abs(i12) <= 1e-12 * (i1 + i2):  # round-off of an outline that is symmetric
+            i12 = 0.0
+        shear_area = shear * whole.area
+        forces = (kappa[0] * shear_area, kappa[1] * shear_area, young * whole.area)
         stiffness = np.diag([*forces, young * i1, young * i2, shear * torsion])
         inertia = matter.density * np.diag([i1, i2, i1 + i2])
-        mass = matter.density * area
+        if i12:
+            stiffness[3, 4] = stiffness[4, 3] = -young * i12
+            inertia[0, 1] = inertia[1, 0] = -matter.density * i12
+        if any(shear_center):
+            stiffness = moved_shear(stiffness, shear_center)
+        mass = matter.density * whole.area
         return cls(stiffness=stiffness, mass_per_length=mass, inertia=inertia, outline=outline, name=name)
 
 
-def _saint_venant(width: float, height: float) -> float:
-    """Torsion constant [m^4] of a rectangle, long side a and short side b.
-
-    It = a b³ (1/3 - 64/π⁵ b/a Σ tanh(nπa/2b)/n⁵),  n = 1, 3, 5, ...
-
-    With tanh z = 1 - 2/(e²ᶻ + 1) the slow part of the sum is (31/32) ζ(5), and the rest falls like e⁻ⁿᵖⁱ: five terms
-    leave less than 1e-17.
-
-    Source: Timoshenko and Goodier, Theory of Elasticity, art. 109.
-    """
-    a, b = max(width, height), min(width, height)
-    odd = np.arange(1.0, 10.0, 2.0)
-    decay = np.exp(-odd * np.pi * a / b)  # of a falling exponential: a thin strip underflows to zero, never overflows
-    total = 31.0 / 32.0 * _ZETA_5 - float(np.sum(2.0 * decay / (1.0 + decay) / odd**5))
-    return a * b**3 * (1.0 / 3.0 - 64.0 / math.pi**5 * (b / a) * total)
+def _sizes(owner: str, **given: Any) -> list[float]:
+    return [validate.positive(owner, name, value, "m") for name, value in given.items()]
 
 
-def _cowper(m: float, nu: float) -> float:
-    """Shear correction of a tube with m = inner/outer radius (m = 0: circle)."""
-    q = (1.0 + m * m) ** 2
-    return 6.0 * (1.0 + nu) * q / ((7.0 + 6.0 * nu) * q + (20.0 + 12.0 * nu) * m * m)
+def _thinner(owner: str, name: str, value: float, most: float) -> None:
+    """Refuse walls that leave nothing between them."""
+    if value >= most:
+        raise ValueError(validate.wrong(owner, name, value, f"below {most:g} m, for there is something between"))
 
 
-def _shear_correction(owner: str, value: float | tuple[float, float]) -> tuple[float, float]:
-    if isinstance(value, (tuple, list, np.ndarray)):
-        right = "a positive, finite number [-], or two of them"
-        first, second = validate.array(owner, "shear_correction", value, (2,), right).tolist()
-        if min(first, second) <= 0.0:
-            raise ValueError(validate.wrong(owner, "shear_correction", value, right))
-        return (first, second)
-    kappa = validate.positive(owner, "shear_correction", value, "-")
-    return (kappa, kappa)
+def _torsion(owner: str, outline: Array, holes: Sequence[Array]) -> Torsion:
+    from cayley.model.torsion import torsion
+
+    return torsion(owner, outline, holes)
 
 
 def _material(owner: str, value: object) -> Material:

@@ -48,7 +48,7 @@ class Stations:
         if len(corners) > 1:
             raise ValueError(
                 f"Rod: the outlines of its sections have {' and '.join(str(n) for n in corners)} points; give sections "
-                "of one shape, so that one turns into the next"
+                "of one shape"
             )
         if not self.name:
             first, last = self.sections[0][0].name, self.sections[-1][-1].name

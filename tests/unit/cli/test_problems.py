@@ -17,7 +17,7 @@ WRONG = [
     ("length = 1.0", 'length = "1.0"', "", 'rod #1.length: is "1.0"; allowed: a positive number [m]'),
     ("length = 1.0", "length = true", "", "rod #1.length: is true; allowed: a positive number [m]"),
     ("length = 1.0", "length = inf", "", "rod #1.length: is inf; allowed: a positive number [m]"),
-    ("length = 1.0", "", "", "rod #1.length: is missing; allowed: a positive number [m]"),
+    ("length = 1.0", "", "", "rod #1.length: is missing; allowed: a positive number [m], or curve or points"),
     ("elements = 4", "elements = 4.5", "", "rod #1.elements: is 4.5; allowed: a whole number, at least 1"),
     (
         'section = "square"',
@@ -31,7 +31,7 @@ WRONG = [
     ("direction = [0, 0, -1]", "direction = [0, 0, nan]", "", "rod #1.direction: holds nan; allowed: three numbers"),
     ('material = "rubber"', 'material = "steel"', "", 'section.square.material: is "steel"; allowed: rubber'),
     ('"rectangle"', '"rectanglo"', "", 'section.square.shape: is "rectanglo" (did you mean "rectangle"?); allowed: '),
-    ('shape = "rectangle"', "", "", "section.square.shape: is missing; allowed: rectangle, circle, tube, given"),
+    ('shape = "rectangle"', "", "", "section.square.shape: is missing; allowed: rectangle, circle, tube, el"),
     ("width = 0.01", "width = 0.01\nradius = 1", "", "section.square.radius: is no key; allowed: shape, material, "),
     ("poisson_ratio = 0.35", "", "", "material.rubber: neither poisson_ratio nor shear_modulus is given; "),
     (

@@ -22,6 +22,8 @@ static const double FIRST_PART = 1.0 / 16.0; /* the solution is followed from th
 static const double SHORTEST_PART = 1e-4;    /* if need be down to this, */
 static const double SMALLEST_GROWTH = 1.0002;  /* by factors that fall from 2 to this */
 
+static const i64 SINGULAR = -1; /* what newton returns where there is no first correction */
+
 /* Residual (in the right-hand side), momenta and, if wanted, the matrix. */
 static void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent)
 {
@@ -70,7 +72,7 @@ static void keep_multipliers(struct problem *p)
     }
 }
 
-/* Solve one step; returns whether it converged.
+/* Solve one step; returns whether it converged, or SINGULAR if there is no first correction.
  *
  * Stiff structures converge fast but not monotonically, so full corrections come first, with a new tangent only where the
  * last one no longer serves. The careful try takes a new tangent every time, takes a correction that makes the next
@@ -84,7 +86,7 @@ static i64 newton(struct problem *p, i64 number, double begin, double h, i64 car
     for (i64 iteration = 0; iteration < (careful ? ITERATIONS : QUICK_ITERATIONS); iteration++) {
         *passes = iteration + 1;
         assemble(p, number, begin, h, fresh);
-        if (fresh && factorize(p->fronts, p->matrix, p->pivots, p->watch)) return 0;
+        if (fresh && factorize(p->fronts, p->matrix, p->pivots, p->watch)) return iteration ? 0 : SINGULAR;
         double residual = 0.0;
         for (i64 u = 0; u < p->unknowns; u++) {
             double one = __builtin_fabs(p->unknown[u]);
@@ -174,7 +176,7 @@ static i64 follow(struct problem *p, i64 number, double begin, double h, i64 *pa
     start_multipliers(p);
     memcpy(p->reached, p->control, (size_t)values * sizeof(double));
     for (;;) {
-        i64 solved = newton(p, number, begin, size * h, 0, passes, worst);
+        i64 solved = newton(p, number, begin, size * h, 0, passes, worst) == 1;
         count += *passes;
         if (solved && size == 1.0) break;
         if (solved) {
@@ -204,7 +206,7 @@ static i64 follow(struct problem *p, i64 number, double begin, double h, i64 *pa
 static i64 step(struct problem *p, i64 number, double begin)
 {
     i64 passes = 0, worst = 0, solved = 0, values = (p->nodes + 1) * p->rows;
-    for (i64 attempt = 0; attempt < 3 && !solved; attempt++) { /* then with care, then from the safest start, too */
+    for (i64 attempt = 0; attempt < 3 && solved != 1; attempt++) { /* then with care, then from the safest start, too */
         first_guess(p, p->warm || number > 0, attempt > 1, begin, p->h);
         solved = newton(p, number, begin, p->h, attempt > 0, &passes, &worst);
         p->counts[0] += passes;
@@ -215,7 +217,7 @@ static i64 step(struct problem *p, i64 number, double begin)
         p->counts[0] += passes;
     }
     p->counts[2] = number, p->counts[3] = worst;
-    if (!solved) return 0;
+    if (solved != 1) return 0;
     hand_on(p);
     for (i64 n = 0; n < p->couplings; n++) {
         struct coupling *c = &p->coupling[n];
