@@ -77,6 +77,11 @@ class LoadEntries:
     scale: np.ndarray
     lever: np.ndarray
 
+    @property
+    def factors(self) -> np.ndarray:
+        """Factor and lever of each entry, as steppers read them, shape (k, 4)."""
+        return np.ascontiguousarray(np.column_stack([self.scale, self.lever]))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
