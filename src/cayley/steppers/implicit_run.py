@@ -58,7 +58,7 @@ def run(
 
 
 def make_plan(system: System) -> Plan:
-    """Cells and blocks of a system, kernels compiled: nodes between elements are a block each, those inside one together."""
+    """Cells and blocks, kernels compiled: a node between elements is a block, those inside one are one together."""
     degree, groups, first = system.equations.rule.degree, [], 0
     for count in system.chains:
         element, inner = np.divmod(np.arange(count), degree)
