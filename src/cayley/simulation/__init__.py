@@ -37,6 +37,7 @@ def simulate(
     save_every: float | None = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
+    balance: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
@@ -54,6 +55,8 @@ def simulate(
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
         rotation: "quaternion" or "matrix".
+        balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the
+            Lagrangian it is kept anyway.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
 
@@ -71,7 +74,7 @@ def simulate(
         )
     if rule is not None and not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
-    begin = start_of_model(model, rotation, initial)
+    begin = start_of_model(model, rotation, initial, account=balance)
 
     def run(rule: Rule, dt: float | None) -> Trajectory:
         system, state = begin(rule)

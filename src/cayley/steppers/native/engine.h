@@ -11,6 +11,10 @@
 typedef int64_t i64;
 typedef double vec __attribute__((vector_size(8 * LANES)));
 
+/* Compiled kernels, see codegen/llvm.py: run(data, uniforms, first block, last block) and setup(uniforms). */
+typedef i64 (*kernel)(double *, double *, i64, i64);
+typedef void (*prepare)(double *);
+
 enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE };
 
 /* A part of the action (or a force density) that is evaluated at quadrature points of cells, LANES cells at a time.
@@ -143,7 +147,7 @@ struct problem {
     double *table;       /* loads at the stages, [steps][stages][columns] */
     i64 columns;
     i64 *entries;        /* (node, row, row of rotation, form, column, is moment, dof), [entry_count][7] */
-    double *scales;
+    double *scales;      /* factor and lever of each, [entry_count][4] */
     i64 entry_count;
     double origin;
     double h;
@@ -183,7 +187,7 @@ struct explicit_run {
     double *table;       /* loads at the times, [steps + 1][columns] */
     i64 columns;
     i64 *entries;        /* (block, lane, row, row of rotation, form, column), [entry_count][6] */
-    double *scales;
+    double *scales;      /* factor and lever of each, [entry_count][4] */
     i64 entry_count;
     i64 *fixed;          /* (block, row, lane) of momenta that stay zero, [fixed_count][3] */
     i64 fixed_count;
@@ -225,6 +229,8 @@ double violations(struct problem *p, i64 number, i64 i, double time);
 i64 saddle_point(struct problem *p, i64 number, i64 i, double time);
 void push_multipliers(struct problem *p, double h, double *out);
 void velocities(struct problem *p, i64 number, i64 i, double h, const double *momenta, double *out);
+double drive_work(struct problem *p, i64 number, double h);
+double projection_work(struct problem *p);
 void multiply_mass(struct problem *p, const double *v, double *out);
 i64 project(struct problem *p, i64 number, i64 i, double time, double h);
 i64 overstrained(struct problem *p, double time, double h);

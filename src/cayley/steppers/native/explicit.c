@@ -14,9 +14,6 @@
 
 static const i64 MOST_PASSES = 50;
 
-typedef i64 (*kernel)(double *, double *, i64, i64);
-typedef void (*prepare)(double *);
-
 static double *row_of(struct explicit_run *e, i64 block, i64 row)
 {
     return e->data + (block * e->rows + row) * LANES;
@@ -39,12 +36,17 @@ static void load(struct explicit_run *e, i64 number, double part)
     for (i64 n = 0; n < e->entry_count; n++) {
         const i64 *entry = e->entries + 6 * n, lane = entry[1], form = entry[4];
         const double *given = e->table + number * e->columns + entry[5];
-        double s = part * e->scales[n], u = s * given[0], v = s * given[1], w = s * given[2];
+        const double *scale = e->scales + 4 * n, *lever = scale + 1;
+        double s = part * scale[0], u = s * given[0], v = s * given[1], w = s * given[2];
         if (form) {
             const double *p = row_of(e, entry[0], entry[3]) + lane;
             double r = 2.0 * p[0] * (form == 2 ? 1.0 : -1.0), x = p[LANES], y = p[2 * LANES], z = p[3 * LANES];
             double a = y * w - z * v, b = z * u - x * w, c = x * v - y * u;
             u += r * a + 2.0 * (y * c - z * b), v += r * b + 2.0 * (z * a - x * c), w += r * c + 2.0 * (x * b - y * a);
+        }
+        if (lever[0] != 0.0 || lever[1] != 0.0 || lever[2] != 0.0) { /* the moment of a force off the node */
+            double a = lever[1] * w - lever[2] * v, b = lever[2] * u - lever[0] * w;
+            w = lever[0] * v - lever[1] * u, u = a, v = b;
         }
         double *out = row_of(e, entry[0], entry[2]) + lane;
         out[0] += u, out[LANES] += v, out[2 * LANES] += w;
@@ -215,6 +217,7 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
         p->counts[0]++;
         if (pass + 1 > p->counts[1]) p->counts[1] = pass + 1;
         if (size <= floor || (size <= 1e-11 && size > 0.5 * last)) {
+            p->energy[1] += drive_work(p, number, part);
             for (i64 n = 0; n < p->couplings; n++) {
                 struct coupling *c = &p->coupling[n];
                 memcpy(c->start, c->multiplier, (size_t)(c->cells * c->gauss * c->count) * sizeof(double));
@@ -263,6 +266,7 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
         hold_momenta(e);
         collect(e, 0, p->momenta);
         velocities(p, number - 1, 1, p->h, p->momenta, p->velocity);
+        p->energy[1] += projection_work(p);
         multiply_mass(p, p->velocity, p->momenta);
         put_momenta(e, p->momenta);
         hold_momenta(e);
