@@ -1,4 +1,4 @@
-"""Assemblies are indifferent to where and how they stand: random ones, turned and shifted with all that acts on them."""
+"""Assemblies are indifferent to where and how they stand: random ones, turned and shifted with all that acts there."""
 
 from functools import partial
 
