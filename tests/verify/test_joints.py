@@ -205,13 +205,6 @@ def test_bushing_between_two_bodies(rule):
         assert abs(lost) < 1e-4 if np.ndim(damping) == 0 else lost > 0.01
 
 
-def test_explicit_rules_refuse_springs():
-    model = cy.Model(A, B, springs=[springs.linear(ON_A, B.centre, stiffness=20.0)])
-    with pytest.raises(ValueError, match=r"verlet does not know springs and dampers \(linear\); give an implicit one"):
-        cy.simulate(model, t_end=0.1, dt=1e-3)
-    assert cy.simulate(model, t_end=0.1, accuracy=1e-3).rule != "verlet"
-
-
 def test_frame_of_rods_with_a_body():
     """Welded tubes with a weight on a ball joint: three rules agree, and the ball stays closed."""
     steel = cy.Material(density=7850.0, youngs_modulus=2e11, poisson_ratio=0.3)

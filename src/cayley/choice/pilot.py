@@ -58,27 +58,10 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system.
-
-    Raises:
-        ValueError: it has springs or dampers and its rule is explicit.
-    """
-    if system.springs and not system.equations.rule.implicit:
-        names = ", ".join(spring.name for spring in system.springs)
-        raise ValueError(
-            f"the explicit rule {system.equations.rule} does not know springs and dampers ({names}); give an implicit "
-            "one, such as rule=cy.rules.midpoint, or an accuracy"
-        )
+    """The module that steps a system."""
     if system.equations.rule.implicit:
-        if system.equations.density.force is not None:
-            raise ValueError(
-                f"the rule {system.equations.rule} takes no damping or other forces beside the Lagrangian, yet; "
-                f"use verlet, screw, nodal or spectral(space=...)"
-            )
         return implicit_run
-    if is_constrained(system):
-        return coupled_run
-    return decoupled_run
+    return coupled_run if is_constrained(system) or system.springs else decoupled_run
 
 
 def frames_of(nodes: int) -> int:
