@@ -88,11 +88,12 @@ def driven():
 
 
 def followed():
-    """A clamped frame, pushed by forces and moments that turn with it, and by one that does not."""
+    """A clamped frame, pushed by forces and moments that turn with it, off a node too, and by one that does not."""
     a, b, bob = pair()
+    off = bob.port("eye").offset((0.1, 0.0, 0.2))
     pushes = [
         WEIGHT,
-        loads.force(bob.centre, lambda t: (6.0, 3.0 * np.sin(20.0 * t), 2.0), frame="body"),
+        loads.force(off, lambda t: (6.0, 3.0 * np.sin(20.0 * t), 2.0), frame="body"),
         loads.moment(b.node(1), (0.3, 1.0, 0.4), frame="body"),
         loads.moment(a.end, lambda t: (0.0, 4.0 * t, 1.0)),
         loads.force(a.node(2), (0.0, 5.0, 1.0), frame="body"),

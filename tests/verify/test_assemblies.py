@@ -7,8 +7,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 import cayley as cy
 from cayley import joints, rules, springs, supports
 from cayley.lie import quaternion
+from cayley.steppers.saddle import projected
+from cayley.system.system import State
 from verify.assemblies import AXIS, RUBBER, THICK, WEIGHT, damped, driven, followed, free, gap, pair, shaken, tumbling
 from verify.problems import assert_order, turned_around
+from verify.test_structure import local, two_form
 
 STEPS = {rules.verlet: 2e-4, rules.screw: 2e-4, rules.midpoint: 5e-4, rules.galerkin(time=2): 1e-3}
 """A time step [s] for the rules that differ in how they treat joints."""
@@ -57,6 +60,44 @@ def assert_closed(run, model):
     one, other = (run.port(side).rotation.values for side in model.joints[0].ports)
     relative = quaternion.multiply(quaternion.conjugate(one), other)
     assert np.abs(relative - relative[0]).max() < 1e-12
+
+
+@RULES
+def test_flow_is_symplectic(rule):
+    """The two-form of two directions on the constrained phase space is the same after 20 steps.
+
+    Both directions are derivatives by central differences of order 4: of the state after some steps by momenta at their
+    beginning, and by the momenta there, each projected so that velocities agree with the joints.
+    """
+    model, h = free(), STEPS[rule]
+    begin = cy.simulate(model, 20 * h, h, rule=rule, initial=shaken(model), save_every=20 * h)
+    system, start = begin.system, begin.state
+    rng = np.random.default_rng(2)
+    pushes = [np.abs(start.momenta).max(axis=0) * rng.normal(size=start.momenta.shape) for _ in range(2)]
+
+    def pushed(state, push):
+        state = State(values=state.values, momenta=state.momenta + push)
+        return State(values=state.values, momenta=projected(system, state)[0])
+
+    def run(state):
+        return cy.integrate(system, state, 20 * h, h, save_every=20 * h).state
+
+    def twice(first, second):
+        middle = pushed(run(pushed(start, first * pushes[0])), second * pushes[1])
+        return middle, run(middle)
+
+    size, known = 2e-4, twice(0.0, 0.0)
+    forms = []
+    for k in (0, 1):
+        ways = []
+        for axis in (0, 1):
+            one, two = (
+                [local(system, known[k], twice(*(sign * m * size * np.eye(2)[axis]))[k]) for sign in (1, -1)]
+                for m in (1, 2)
+            )
+            ways.append((8 * (one[0] - one[1]) - (two[0] - two[1])) / (12 * size))
+        forms.append(ways[0] @ two_form(system, known[k]) @ ways[1])
+    assert abs(forms[1] / forms[0] - 1.0) < 1e-7, forms
 
 
 @RULES
