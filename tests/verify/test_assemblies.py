@@ -97,7 +97,7 @@ def test_flow_is_symplectic(rule):
             )
             ways.append((8 * (one[0] - one[1]) - (two[0] - two[1])) / (12 * size))
         forms.append(ways[0] @ two_form(system, known[k]) @ ways[1])
-    assert abs(forms[1] / forms[0] - 1.0) < 1e-7, forms
+    assert abs(forms[1] / forms[0] - 1.0) < 1e-8, forms
 
 
 @RULES
