@@ -1,8 +1,9 @@
 """A helical spring let go under its own weight, against the formula of spring makers: one curved rod, nothing else.
 
-The wire's axis is a function, its shape without stress; `Rod.along` finds the length, puts frames on it that do not twist,
-and the rod is at rest until the weight acts. As a spring of the rate k = G d⁴/(8 D³ n) and the mass m it is a bar that
-stretches: let go, its free end falls to m g/k, twice the rest, in the time 2 √(m/k) in which a wave runs there and back.
+The wire's axis is a function, its shape without stress; `Rod.along` finds the length, puts frames on it that do not
+twist, and the rod is at rest until the weight acts. As a spring of the rate k = G d⁴/(8 D³ n) and the mass m it is a
+bar that stretches: let go, its free end falls to m g/k, twice the rest, in the time 2 √(m/k) in which a wave runs there
+and back.
 
 What must be seen, and is asserted: both, within 2 %.
 """
@@ -17,6 +18,7 @@ section = cy.Section.circle(0.5 * wire, steel)
 
 
 def coil(angle):
+    """The axis of the wire, downward from its upper end."""
     return 0.5 * mean * np.cos(angle), 0.5 * mean * np.sin(angle), -pitch * angle / (2 * np.pi)
 
 
