@@ -52,11 +52,13 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
         rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
         for part in model.parts
     ]
+    offsets = np.cumsum([0, *(part.size for part in parts[:-1])])
     constants = _joined(parts) | _forced(forces, parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
     density = trace(lagrangian, patterns)
     entries = {name: _entry(constants, name) for name in density.names}
-    entries |= _within(constants, entries, rule)
+    begins = [n + np.arange(0, part.size - 1, rule.degree) for n, part in zip(offsets, parts, strict=True)]
+    entries |= _within(constants, entries, rule, np.concatenate(begins))
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
     within = {plain(name) for name in placed(entries)}
@@ -221,9 +223,16 @@ def _pattern(constants: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 
 
 def _within(
-    constants: Mapping[str, np.ndarray], entries: Mapping[str, np.ndarray], rule: Rule
+    constants: Mapping[str, np.ndarray], entries: Mapping[str, np.ndarray], rule: Rule, begins: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Entries that differ within an element, by their names at each place (see discrete.places)."""
+    """Entries that differ within an element, by their names at each place (see discrete.places).
+
+    Args:
+        constants: of all nodes, those of strain also at the other places.
+        entries: of them, by label.
+        rule: the rule.
+        begins: first nodes of all elements.
+    """
     found = {}
     for label, values in entries.items():
         constant, _, index = label.removeprefix("c.").partition("[")
@@ -233,7 +242,7 @@ def _within(
                 own = _entry(constants, f"c.{key}[{index}") if key in constants else values
             else:  # of node k of the cell
                 own = np.roll(values, -k) if k < rule.cell else values
-            if np.any(own != values):
+            if np.any(own[begins] != values[begins]):
                 found[name_at(label, k)] = own
     return found
 

@@ -27,7 +27,8 @@ class PartArrays:
 
     Args:
         named: weight, 1/weight, length, here and inverse of every node, shape (nodes,) each (see System).
-        constants: constants of the density by name, shape (nodes, *shape of the constant) each.
+        constants: constants of the density by name, shape (nodes, *shape of the constant) each. All parts of a model
+            have the same plain names; a node alone, without elements, repeats any constants of strain.
         position: at the start [m], shape (nodes, 3).
         rotation: at the start, unit quaternions, shape (nodes, 4).
     """
