@@ -10,7 +10,7 @@ from cayley.discrete.constraint import element_constraints
 from cayley.discrete.node import node_point, tangent
 from cayley.results.frames import Frames
 from cayley.results.reactions import JointRates
-from cayley.steppers.saddle import reactions
+from cayley.steppers.saddle import make_plan, reactions
 from cayley.system.system import System
 
 
@@ -48,7 +48,7 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
 
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
-    function, of_joints = _rates(system), JointRates(system)
+    function, of_joints, plan = _rates(system), JointRates(system), make_plan(system)
     left, right, point = (np.zeros_like(forces) for _ in range(3))
     joints = np.zeros((len(frames.times), len(system.joints), system.layout.dofs))
     elements = np.flatnonzero(system.named["length"])
@@ -57,7 +57,7 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
         turning, bias = function(_inputs(system, frames.values[k], velocity[k], float(time)))
         rates = [np.asarray(turning).T[elements]] if constrained else []
         rates += of_joints(frames.values[k], velocity[k], float(time))
-        solved = reactions(system, frames.state(k), forces[k] - np.asarray(bias).T, [-rate for rate in rates])
+        solved = reactions(system, plan, frames.state(k), forces[k] - np.asarray(bias).T, [-rate for rate in rates])
         found = [of_cells.sum(axis=1) for of_cells in solved.forces]
         if constrained:
             left[k, elements], right[k, elements] = found[0][:, 0], found[0][:, 1]
