@@ -38,7 +38,7 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
     Returns: the step [s]; infinite where nothing oscillates.
     """
     masses, stiffness = _matrices(system, values)
-    if not system.equations.forced:
+    if system.equations.density.force is None:
         largest = _highest(system, masses, stiffness, 4.0 / enough**2)
         return float(2.0 / np.sqrt(largest)) if largest > 0.0 else float("inf")
     motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates
@@ -130,10 +130,10 @@ def _inputs(system: System, values: np.ndarray) -> np.ndarray:
     named = system.named
     zeros, ones = np.zeros(system.size), np.ones(system.size)
     here = named.get("here", zeros)
-    known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
-    inverse = named.get("inverse", known.get("inverse", 1.0) * ones)
+    along = system.equations.density.lagrangian.interval
+    inverse = ones if along is None else system.values_of("inverse")
     columns = [inverse, here, np.roll(here, -cell), zeros, named["weight"], lengths]
-    constants = [named.get(name, known.get(name, 0.0) * ones) for name in system.equations.density.names]
+    constants = [system.values_of(name) for name in system.equations.density.names]
     constants += [named[name] for name in placed(system.equations.varying)]
     return np.column_stack([values, others, *columns, *constants])
 

@@ -7,18 +7,6 @@
 #include <string.h>
 #include "lanes.h"
 
-typedef i64 (*kernel)(double *, double *, i64, i64);
-typedef void (*prepare)(double *);
-
-static inline vec shape(const struct coupling *c, i64 block, i64 slot, i64 g, i64 a, int *zero)
-{
-    double value = (slot ? c->psi : c->phi)[g * c->width + a];
-    *zero = value == 0.0;
-    vec one = {0.0};
-    one = one + value;
-    return slot ? one * ((const vec *)c->inverse)[block] : one;
-}
-
 /* Drives at a control time of a step, [driven][drives]. */
 static const double *drives(struct problem *p, const struct coupling *c, i64 number, i64 i)
 {
@@ -37,7 +25,7 @@ static void evaluate(struct problem *p, struct coupling *c, i64 block, i64 i, co
                 vec sum = {0.0};
                 for (i64 a = 0; a < c->width; a++) {
                     int zero;
-                    vec factor = shape(c, block, s, g, a, &zero);
+                    vec factor = SHAPE(c, block, s, g, a, &zero);
                     if (!zero) sum += factor * q[(i * c->width + a) * rows + row];
                 }
                 data[s * rows + row] = sum;
@@ -64,7 +52,7 @@ static void derivative(struct problem *p, struct coupling *c, i64 block, i64 g, 
     memset(embedded, 0, (size_t)ROWS * sizeof(vec));
     for (i64 s = 0; s < c->slots; s++) {
         int zero;
-        vec factor = shape(c, block, s, g, a, &zero);
+        vec factor = SHAPE(c, block, s, g, a, &zero);
         if (zero) continue;
         const vec *slope = data + c->gradient + (k * c->slots + s) * ROWS;
         for (i64 row = 0; row < ROWS; row++) embedded[row] += factor * slope[row];
@@ -112,14 +100,14 @@ static void curvature(struct problem *p, struct coupling *c, i64 block, i64 i, d
                 vec weight = h * ((const vec *)c->weight)[block * c->gauss + g];
                 for (i64 s = 0; s < c->slots; s++) {
                     int none, zero;
-                    vec left = shape(c, block, s, g, a, &none) * weight;
+                    vec left = SHAPE(c, block, s, g, a, &none) * weight;
                     if (none) continue;
                     for (i64 k = 0; k < c->count; k++)
                         for (i64 row = 0; row < rows; row++)
                             force[row] += left * data[c->multiplier_row + k] *
                                           data[c->gradient + (k * c->slots + s) * rows + row];
                     for (i64 u = 0; u < c->slots; u++) {
-                        vec factor = left * shape(c, block, u, g, b, &zero);
+                        vec factor = left * SHAPE(c, block, u, g, b, &zero);
                         if (zero) continue;
                         for (i64 e = c->starts[s * c->slots + u]; e < c->starts[s * c->slots + u + 1]; e++)
                             over[c->entries[2 * e]] += factor * data[c->entries[2 * e + 1]];
@@ -296,13 +284,13 @@ void push_multipliers(struct problem *p, double h, double *out)
 
 /* Rates of the constraints by their drives alone, negative, in the rows of the multipliers. They are at most quadratic in
  * the drives, so a central difference is exact. */
-static void driven_rates(struct problem *p, i64 number, i64 i, i64 save, double h)
+static void driven_rates(struct problem *p, i64 number, i64 i, double h)
 {
     for (i64 m = 0; m < p->couplings; m++) {
         struct coupling *c = &p->coupling[m];
         if (!c->driven) continue;
         vec *q = (vec *)p->cells;
-        const double *now = drives(p, c, number, i), *rate = c->drive_rate + save * c->driven * c->drives;
+        const double *now = drives(p, c, number, i), *rate = c->drive_rate + (number * (p->stages + 1) + i) * c->driven * c->drives;
         double moved[c->driven * c->drives];
         for (i64 side = -1; side <= 1; side += 2)
             for (i64 block = 0; block * LANES < c->cells; block++) {
@@ -319,26 +307,41 @@ static void driven_rates(struct problem *p, i64 number, i64 i, i64 save, double 
     }
 }
 
-/* Project the momenta at the first controls so that velocities satisfy the constraints (RATTLE), mu = M v; drives are
- * those of control i of a step. Returns 0, or 1 + the block of redundant constraints. */
-i64 project(struct problem *p, i64 number, i64 i, i64 save, double time, double h)
+/* Velocities of momenta that satisfy the constraints: M v + G' n = mu, G v = rate of the drives of control i of a step,
+ * with the matrix of saddle_point; [nodes + 1][dofs] both. */
+void velocities(struct problem *p, i64 number, i64 i, double h, const double *momenta, double *out)
 {
-    i64 dofs = DOFS, stride = (dofs + LANES - 1) / LANES * LANES;
-    i64 failed = saddle_point(p, number, i, time);
-    if (failed) return failed;
+    i64 dofs = DOFS;
     memset(p->unknown, 0, (size_t)p->unknowns * sizeof(double));
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++)
-            p->unknown[p->place[n] + d] = p->free[n * dofs + d] * p->momenta[n * dofs + d];
-    driven_rates(p, number, i, save, h);
+            p->unknown[p->place[n] + d] = p->free[n * dofs + d] * momenta[n * dofs + d];
+    driven_rates(p, number, i, h);
     solve(p->fronts, p->matrix, p->pivots, p->unknown);
+    for (i64 n = 0; n < p->nodes; n++)
+        for (i64 d = 0; d < dofs; d++) out[n * dofs + d] = p->free[n * dofs + d] * p->unknown[p->place[n] + d];
+}
+
+/* out = M v, [nodes + 1][dofs] both. */
+void multiply_mass(struct problem *p, const double *v, double *out)
+{
+    i64 dofs = DOFS, stride = (dofs + LANES - 1) / LANES * LANES;
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++) {
             double sum = 0.0;
-            for (i64 e = 0; e < dofs; e++)
-                sum += p->mass[(n * dofs + d) * stride + e] * p->free[n * dofs + e] * p->unknown[p->place[n] + e];
-            p->momenta[n * dofs + d] = p->free[n * dofs + d] * sum;
+            for (i64 e = 0; e < dofs; e++) sum += p->mass[(n * dofs + d) * stride + e] * v[n * dofs + e];
+            out[n * dofs + d] = p->free[n * dofs + d] * sum;
         }
+}
+
+/* Project the momenta at the first controls so that velocities satisfy the constraints (RATTLE), mu = M v; drives are
+ * those of control i of a step. Returns 0, or 1 + the block of redundant constraints. */
+i64 project(struct problem *p, i64 number, i64 i, double time, double h)
+{
+    i64 failed = saddle_point(p, number, i, time);
+    if (failed) return failed;
+    velocities(p, number, i, h, p->momenta, p->velocity);
+    multiply_mass(p, p->velocity, p->momenta);
     return 0;
 }
 
