@@ -43,7 +43,7 @@ def pulled_forces(
     """
     force, power = ca.SX.zeros(unknown.shape), ca.SX(0)
     for weight, point in points:
-        motion = _motion(density, point, unknown, moving)
+        motion = motion_of(density, point, unknown, moving)
         found = density.forces(place, kind, dict(point) | motion)
         for name, f in found.items():
             column = to_sx(f)
@@ -52,8 +52,8 @@ def pulled_forces(
     return force, power
 
 
-def _motion(density: Density, point: Mapping[str, Any], unknown: ca.SX, moving: ca.SX) -> dict[str, Any]:
-    """Velocities of the fields and rates of their slopes, from the rates of the unknowns."""
+def motion_of(density: Density, point: Mapping[str, Any], unknown: ca.SX, moving: ca.SX) -> dict[str, Any]:
+    """Velocities of the fields and rates of their slopes at a point, from the rates of the unknowns (pulled_forces)."""
     motion: dict[str, Any] = {}
     along = density.lagrangian.interval
     for name in density.lagrangian.fields:
@@ -236,4 +236,4 @@ def _column(value: ca.SX) -> Expression:
     return wrap(np.atleast_1d(from_sx(ca.densify(value))))
 
 
-__all__ = ["element_forcing", "force_program", "node_forcing", "pulled_forces"]
+__all__ = ["element_forcing", "force_program", "motion_of", "node_forcing", "pulled_forces"]

@@ -64,7 +64,7 @@ def observe(system: System, frames: Frames) -> Observations:
     nothing = np.zeros_like(part["velocity"])
     spatial, slopes = nothing, part.get("slopes", nothing)
     if system.equations.rule.degree > 1:
-        strain, spatial, slopes = interpolated(system, frames)
+        strain, spatial, slopes = interpolated(system, frames, part["velocity"])
     elif "left" in part:
         if system.equations.density.constraints.numel():
             _add_constraint_forces(system, frames, part)
