@@ -82,9 +82,35 @@ def test_order_of_motion_and_balance(rule, rotation):
     assert work > 0.02
 
 
-def test_restart_is_bit_for_bit():
-    whole, half = run(cy.rules.verlet, 160), run(cy.rules.verlet, 160, t_end=0.5 * SPAN)
-    rest = run(cy.rules.verlet, 160, start=half.state)
+@pytest.mark.parametrize(
+    ("rule", "steps", "order"),
+    [
+        (cy.rules.midpoint, [40, 80, 160], 2),
+        (cy.rules.screw_midpoint, [40, 80, 160], 2),
+        (cy.rules.galerkin(time=2), [20, 40, 80], 4),
+        (cy.rules.galerkin(time=2, space=2), [20, 40, 80], 4),
+        (cy.rules.galerkin(time=3), [20, 40], 6),
+    ],
+    ids=str,
+)
+def test_order_of_implicit_rules(rule, steps, order):
+    runs = [run(rule, n) for n in [*steps, 640 if order == 2 else 320]]
+    exact = runs.pop().data.x.values[-1]
+    assert_order([np.abs(r.data.x.values[-1] - exact).max() for r in runs], order=order, within=0.35)
+    assert_order([defect(r) for r in runs], order=order, within=0.35)
+
+
+def test_explicit_and_implicit_rules_have_one_limit():
+    """Same nodes, same strains: verlet and Galerkin of degree 2 in time differ by their errors alone."""
+    one, other = run(cy.rules.verlet, 20480), run(cy.rules.galerkin(time=2), 320)
+    np.testing.assert_allclose(one.data.x.values[-1], other.data.x.values[-1], atol=2e-9)
+    np.testing.assert_allclose(one.frames.work[-1].sum(axis=0), other.frames.work[-1].sum(axis=0), atol=2e-9)
+
+
+@pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.midpoint, cy.rules.galerkin(time=2)], ids=str)
+def test_restart_is_bit_for_bit(rule):
+    whole, half = run(rule, 160), run(rule, 160, t_end=0.5 * SPAN)
+    rest = run(rule, 160, start=half.state)
     assert np.array_equal(rest.state.values, whole.state.values)
     assert np.array_equal(rest.state.momenta, whole.state.momenta)
     assert np.array_equal(rest.state.work, whole.state.work)

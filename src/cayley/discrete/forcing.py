@@ -23,6 +23,8 @@ from cayley.discrete.polynomial import polynomial_points
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points
 
+TINY = 1e-12
+"""Rate at which Jacobians are taken instead of 0: the length of a velocity, as in drag, has no derivative at rest."""
 Weighted = Sequence[tuple[float, Mapping[str, Any]]]
 
 
@@ -219,7 +221,9 @@ def force_program(
         f, powers[kind] = f + force, powers[kind] + power
     outputs = [*ca.vertsplit(ca.densify(f)), powers[STILL], -powers[MOVING]]
     if not light:
-        outputs += ca.vertsplit(ca.vec(ca.densify(ca.jacobian(f, ca.vertcat(unknown, moving))).T))
+        jacobian = ca.densify(ca.jacobian(f, ca.vertcat(unknown, moving)))
+        shifted = moving + TINY * ca.DM(1.0 + np.arange(moving.numel()) / 7.0)  # in no direction of anyone's
+        outputs += ca.vertsplit(ca.vec(ca.substitute([jacobian], [moving], [shifted])[0].T))
     constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
     inputs = [*ca.vertsplit(unknown), *ca.vertsplit(moving), here, inverse, *(constants[n] for n in varying)]
     return Program(
