@@ -150,3 +150,26 @@ def test_step_limit_is_safe_and_not_much_too_small(rule, retardation):
     if retardation == 0.05:
         with pytest.raises(cy.SimulationError):
             fastest(1.03)
+
+
+@pytest.mark.parametrize(
+    ("rule", "steps"),
+    [(cy.rules.verlet, [2e-4, 1e-4, 5e-5]), (cy.rules.midpoint, [4e-3, 2e-3, 1e-3])],
+    ids=str,
+)
+def test_balance_of_loads_alone(rule, steps):
+    """Work of time-dependent loads, in space and in the body, without any damping; the motion is what it was."""
+    rubber = cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)
+    rod = cy.Rod(cy.Section.circle(0.05, rubber), length=1.0, direction=(1, 0, 0), elements=4)
+    acting = [
+        cy.loads.gravity((0, 0, -9.81)),
+        cy.loads.force(rod.end, lambda t: np.array([0.0, 20.0 * np.sin(9.0 * t), 0.0]), frame="body"),
+        cy.loads.moment(rod.end, lambda t: np.array([0.0, 0.3 * t, 1.0])),
+    ]
+    model = cy.Model(rod, supports=[cy.supports.clamp(rod.start)], loads=acting)
+    options = {"save_every": 0.08, "rule": rule, "allow_unstable": True}
+    runs = [cy.simulate(model, 0.4, h, balance=True, **options) for h in steps]
+    assert_order([float(abs(run.energy_balance.defect).max()) for run in runs])
+    assert float(abs(runs[-1].work).max()) > 0.1
+    plain = cy.simulate(model, 0.4, steps[-1], **options)
+    np.testing.assert_allclose(runs[-1][rod].position.values, plain[rod].position.values, atol=1e-11)

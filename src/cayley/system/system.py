@@ -124,8 +124,9 @@ class System:
 
     @property
     def accounted(self) -> bool:
-        """Whether a run keeps an account of work and loss: where there are forces beside the Lagrangian."""
-        return self.equations.density.force is not None or any(spring.damped for spring in self.springs)
+        """Whether a run keeps an account of work and loss: with forces beside the Lagrangian, or if it was asked to."""
+        asked = self.equations.account or self.equations.density.force is not None
+        return asked or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:
