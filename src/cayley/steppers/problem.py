@@ -1,4 +1,4 @@
-"""The problem that the compiled steppers work on: nodes, terms, constraints, and the blocks of its matrix, as arrays."""
+"""The problem that the compiled steppers work on: nodes, terms, constraints and the blocks of a matrix, as arrays."""
 
 import ctypes
 import itertools
