@@ -70,11 +70,6 @@ def stepper_of(system: System) -> ModuleType:
             "one, such as rule=cy.rules.midpoint, or an accuracy"
         )
     if system.equations.rule.implicit:
-        if system.equations.density.force is not None:
-            raise ValueError(
-                f"the rule {system.equations.rule} takes no damping or other forces beside the Lagrangian, yet; "
-                f"use verlet, screw, nodal or spectral(space=...)"
-            )
         return implicit_run
     if is_constrained(system):
         return coupled_run

@@ -68,7 +68,7 @@ def observe(system: System, frames: Frames) -> Observations:
     spatial, slopes = nothing, part.get("slopes", nothing)
     reactions = None
     if system.equations.rule.degree > 1:
-        strain, spatial, slopes = interpolated(system, frames)
+        strain, spatial, slopes = interpolated(system, frames, part["velocity"])
     elif "left" in part:
         part["point"] = spring_forces(system, frames, part["velocity"])
         if system.equations.density.constraints.numel() or system.joints:

@@ -191,6 +191,11 @@ class Trajectory:
         return self._series(total, "energy", "J")
 
     @property
+    def accounted(self) -> bool:
+        """Whether the run kept account of work and loss."""
+        return self.frames.work is not None
+
+    @property
     def work(self) -> "xr.DataArray":
         """Work since the start of loads and forces that do not depend on velocities, gravity apart [J], dims (time,).
 

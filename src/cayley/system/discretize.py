@@ -87,7 +87,6 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
         reference=reference,
         joints=joints,
         springs=springs,
-        account=account,
     )
 
 

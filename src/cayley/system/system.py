@@ -99,7 +99,6 @@ class System:
         reference: values of a regular configuration, shape (nodes, rows).
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
-        account: whether a run keeps account of the work of loads, whatever else it does.
     """
 
     equations: DiscreteEquations
@@ -112,7 +111,6 @@ class System:
     reference: np.ndarray
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
-    account: bool = False
 
     @property
     def layout(self) -> Layout:
@@ -129,7 +127,7 @@ class System:
         """Whether a run keeps an account of work and loss: on request, with forces beside the Lagrangian or drives."""
         forced = self.equations.density.force is not None
         driven = any(joint.drive is not None for joint in self.joints)
-        return self.account or forced or driven or any(spring.damped for spring in self.springs)
+        return self.equations.account or forced or driven or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:
