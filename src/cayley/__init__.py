@@ -37,6 +37,7 @@ _HOMES = {
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
 _MODULES = {
     "rules": "discrete.rules",
+    "damping": "model.damping",
     "loads": "model.loads",
     "supports": "model.supports",
     "joints": "model.joints",
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
     from cayley.model import PointMass as PointMass
     from cayley.model import Rod as Rod
     from cayley.model import Section as Section
+    from cayley.model import damping as damping
     from cayley.model import ground as ground
     from cayley.model import joints as joints
     from cayley.model import loads as loads

@@ -6,12 +6,12 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from cayley.discrete.fused import fused_rows
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
-from cayley.discrete.fused import fused_rows
 from cayley.discrete.node import mass_matrix, node_load, node_point
 from cayley.discrete.places import constants_at, placed
 from cayley.discrete.polynomial import polynomial_forces

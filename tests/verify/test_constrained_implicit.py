@@ -7,8 +7,8 @@ from numpy.testing import assert_allclose
 import cayley as cy
 from cayley import loads, rules, supports
 from cayley.steppers import implicit_run
-from cayley.steppers.saddle import largest_violation
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.saddle import largest_violation
 from cayley.system.discretize import discretize
 from cayley.system.system import State
 from unit.system.rods import round_rod

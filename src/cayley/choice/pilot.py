@@ -70,6 +70,11 @@ def stepper_of(system: System) -> ModuleType:
             "use an explicit rule without constraints and joints, or a force and a moment on body.centre"
         )
     if system.equations.rule.implicit:
+        if system.equations.density.force is not None:
+            raise ValueError(
+                f"the rule {system.equations.rule} takes no damping or other forces beside the Lagrangian, yet; "
+                f"use verlet, screw, nodal or spectral(space=...)"
+            )
         return implicit_run
     if is_constrained(system) or system.springs:
         return coupled_run
@@ -97,7 +102,7 @@ def follow(system: System, state: State, spacing: float, frames: int, h: float) 
     start = state.at_step(spacing / stride)
     received = [start.values[None]]
 
-    def receive(values: np.ndarray, momenta: np.ndarray) -> None:
+    def receive(values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
         received.append(values)
 
     result = stepper_of(system).run(system, start, stride=stride, saves=frames, receive=receive)

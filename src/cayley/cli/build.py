@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cayley.cli import expressions, problems, schema
+from cayley.cli import expressions, force_build, problems, schema
+from cayley.cli.force_tables import AlongRod
 from cayley.cli.rods import make_rod, make_section
 from cayley.cli.schema import Place
 from cayley.cli.tie_build import body_of, guide_of, joint_of, motion_problems, port_of, side_of, spring_of
@@ -192,6 +193,15 @@ def _loads(
         if isinstance(table, schema.GravityTable):
             with found.at("load", k):
                 acting.append(loads.gravity(table.acceleration))
+            continue
+        if isinstance(table, AlongRod):
+            rod = _rod(table.rod, rods, ("load", k, "rod"), found)
+            wrong = force_build.wrong_parts(table)
+            for place, part, text in wrong:
+                found.add(("load", k, *place), f"{problems.shown(part)} {text}")
+            if rod is not None and not wrong:
+                with found.at("load", k):
+                    acting.append(force_build.rod_load(table, rod))
             continue
         target: Port | Rod | None
         if isinstance(table, schema.PointLoadTable):

@@ -14,7 +14,13 @@ from typing import Any
 import numpy as np
 import simpleeval
 
-LANGUAGE = "t, pi, numbers, + - * / ** ( ), and sin cos tan exp sqrt abs min max"
+
+def language(names: Sequence[str]) -> str:
+    """What an expression may hold, in a line, if it may name these."""
+    return f"{', '.join(names)}, pi, numbers, + - * / ** ( ), and sin cos tan exp sqrt abs min max"
+
+
+LANGUAGE = language(("t",))
 _LONGEST = 1000  # characters of one expression
 _DEEPEST = 100  # levels of one expression: each operation lies a level below the one that takes its result
 
@@ -82,6 +88,61 @@ class Expressions:
             return _stacked([component(t) for component in self._components], t)
 
 
+@dataclass(frozen=True, slots=True)
+class Fields:
+    """Numbers or expressions of several quantities, as a function of them.
+
+    Attributes:
+        sources: the components as written.
+        names: what they may name.
+        arguments: what the function takes, in order: the names, or a vector "x" for x, y, z.
+        vector: whether it returns an array, shape (len(sources),), or one number.
+
+    Raises:
+        ValueError: an expression has something in it that is not allowed; the message names it.
+
+    Example:
+        >>> wind = Fields(("2*z", 0.0, "sin(t)"), ("x", "y", "z", "t"), ("x", "t"), vector=True)
+        >>> wind([0.0, 0.0, 3.0], 0.0).tolist()
+        [6.0, 0.0, 0.0]
+    """
+
+    sources: tuple[str | float, ...]
+    names: tuple[str, ...]
+    arguments: tuple[str, ...]
+    vector: bool
+    _components: tuple[Callable[..., Any], ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Parse the components."""
+        object.__setattr__(self, "_components", tuple(_component(source, self.names) for source in self.sources))
+
+    @property
+    def __name__(self) -> str:
+        """The components in parentheses; a model's listing shows it."""
+        shown = (source if isinstance(source, str) else f"{source:g}" for source in self.sources)
+        return f"({', '.join(shown)})"
+
+    def __call__(self, *values: Any) -> Any:
+        """The value for numbers or symbols."""
+        flat: list[Any] = []
+        for name, value in zip(self.arguments, values, strict=True):
+            flat += list(value) if name == "x" and "y" in self.names and "y" not in self.arguments else [value]
+        found = [component(*flat) for component in self._components]
+        return np.array(found) if self.vector else found[0]
+
+
+def check_fields(source: str, names: Sequence[str]) -> str | None:
+    """What is wrong with an expression of several quantities, or None."""
+    try:
+        value = complex(Fields((source,), tuple(names), tuple(names), vector=False)(*([0.5] * len(names))))
+    except ValueError as error:
+        return str(error)
+    except ArithmeticError:
+        return None  # 1/(s - 0.5): it may have a value elsewhere
+    return None if not value.imag else "is no real number"
+
+
 def check(source: str, times: Sequence[float]) -> str | None:
     """What is wrong with an expression, or None: it must parse, and give a finite number at each of the times [s]."""
     try:
@@ -95,17 +156,17 @@ def check(source: str, times: Sequence[float]) -> str | None:
     return None
 
 
-def _component(source: str | float) -> Callable[[Any], Any]:
-    """A function of the time for a number or an expression."""
+def _component(source: str | float, variables: Sequence[str] = ("t",)) -> Callable[..., Any]:
+    """A function of the time, or other variables, for a number or an expression."""
     if not isinstance(source, str):
         number = float(source)
-        return lambda t: number
-    tree = _parsed(source)
-    names = {"t": 0.0, "pi": np.pi}
+        return lambda *values: number
+    tree = _parsed(source, variables)
+    names = dict.fromkeys(variables, 0.0) | {"pi": np.pi}
     evaluator = simpleeval.SimpleEval(operators=_OPERATORS, functions=_FUNCTIONS, names=names)
 
-    def value(t: Any) -> Any:
-        names["t"] = t
+    def value(*values: Any) -> Any:
+        names.update(zip(variables, values, strict=True))
         return evaluator.eval(source, tree)
 
     return value
@@ -118,7 +179,7 @@ def _number(component: Callable[[Any], Any], t: float) -> Any:
         return math.nan
 
 
-def _parsed(source: str) -> ast.Expr:
+def _parsed(source: str, variables: Sequence[str]) -> ast.Expr:
     """The tree of an expression.
 
     It is walked here so that names and operators are refused before the first evaluation; what remains is for
@@ -134,11 +195,11 @@ def _parsed(source: str) -> ast.Expr:
         raise ValueError("is no expression") from None
     if not isinstance(tree, ast.Expr):
         raise ValueError("is no expression")
-    _refuse_foreign(tree.value)
+    _refuse_foreign(tree.value, {*variables, "pi"})
     return tree
 
 
-def _refuse_foreign(node: ast.expr, depth: int = 0) -> None:
+def _refuse_foreign(node: ast.expr, known: set[str], depth: int = 0) -> None:
     """Raise a ValueError at the first node that is not allowed."""
     if depth > _DEEPEST:  # below what Python's stack holds
         raise ValueError(f"has more than {_DEEPEST} levels")
@@ -156,7 +217,7 @@ def _refuse_foreign(node: ast.expr, depth: int = 0) -> None:
                 raise ValueError(f'uses the unknown function "{name}"')
             if keywords or (len(operands) < 2 if name in ("min", "max") else len(operands) != 1):
                 raise ValueError(f'calls "{name}" with the wrong number of arguments')
-        case ast.Name(id="t" | "pi"):
+        case ast.Name(id=name) if name in known:
             return
         case ast.Name(id=name):
             raise ValueError(
@@ -171,7 +232,7 @@ def _refuse_foreign(node: ast.expr, depth: int = 0) -> None:
         case _:
             raise ValueError("uses something that is not allowed")
     for operand in operands:
-        _refuse_foreign(operand, depth + 1)
+        _refuse_foreign(operand, known, depth + 1)
 
 
 def _stacked(components: list[Any], t: Any) -> Any:

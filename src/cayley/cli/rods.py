@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cayley.cli import expressions, schema
+from cayley.cli.force_build import damping_of
 from cayley.model import Material, Rod, Section
 
 _OF_CURVES = ("normal", "twist")
@@ -54,6 +55,8 @@ def make_rod(
     names = table.section
     section: Any = sections[names] if isinstance(names, str) else [sections[name] for name in names]
     rod = _placed(table, section)
+    if table.damping is not None:
+        rod = replace(rod, damping=damping_of(table.damping))
     if table.tip_section is None:
         return rod
     if not isinstance(names, str):

@@ -61,6 +61,7 @@ class Scenario:
             "initial": self.initial(),
             "rotation": run.rotation,
             "allow_unstable": run.allow_unstable,
+            **({"balance": True} if run.balance else {}),
             **({} if run.accuracy is None else {"accuracy": run.accuracy}),
         }
 

@@ -7,11 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field
 
-from cayley.cli import tie_schema
+from cayley.cli import force_tables, tie_schema
 from cayley.cli.expressions import LANGUAGE
+from cayley.cli.force_tables import FORCE_TABLES, DampingTable
 from cayley.cli.schema_base import NAME as _NAME
 from cayley.cli.schema_base import PORT as _NODE
-from cayley.cli.schema_base import Name, Table, Vector
+from cayley.cli.schema_base import Name, Table, Until, Vector
 from cayley.cli.schema_base import positive as _positive
 from cayley.cli.schema_base import vector as _vector
 from cayley.cli.tie_schema import BodyTable, JointTable, SpringTable
@@ -26,7 +27,6 @@ Value = Annotated[list[float | str], Field(min_length=3, max_length=3)]
 ShearCorrection = Literal["cowper", "none"] | float | Annotated[list[float], Field(min_length=2, max_length=2)]
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Outline = Annotated[list[Pair], Field(min_length=3)]
-Until = Annotated[float, Field(allow_inf_nan=True)]
 
 
 def _rows(name: str, size: int, units: str, default: Any = ...) -> Any:
@@ -151,6 +151,7 @@ class RodTable(Table):
     kinematics: Literal["shearable", "unshearable", "inextensible"] = Field(
         "shearable", description='"shearable", "unshearable" or "inextensible"'
     )
+    damping: DampingTable | None = Field(None, description="a table such as { retardation = 1e-3 }")
 
 
 class PinTable(Table):
@@ -225,6 +226,7 @@ class RunTable(Table):
         None, gt=1e-12, lt=0.5, description="a number between 1e-12 and 0.5, such as 1e-3, instead of dt"
     )
     rotation: Literal["quaternion", "matrix"] = Field("quaternion", description='"quaternion" or "matrix"')
+    balance: bool = Field(False, description="true or false")
     allow_unstable: bool = Field(False, description="true or false")
 
 
@@ -247,7 +249,17 @@ SectionTable = Annotated[
     Discriminator("shape"),
 ]
 SupportTable = Annotated[PinTable | HoldTable | tie_schema.AnyGuide, Discriminator("kind")]
-LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable, Discriminator("kind")]
+RodLoadTable = (
+    force_tables.DistributedTable
+    | force_tables.PressureTable
+    | force_tables.DragTable
+    | force_tables.BuoyancyTable
+    | force_tables.ImposedStrainTable
+    | force_tables.TemperatureTable
+    | force_tables.TendonTable
+    | force_tables.DensityTable
+)
+LoadTable = Annotated[GravityTable | PointLoadTable | LineLoadTable | RodLoadTable, Discriminator("kind")]
 
 
 class ScenarioTables(Table):
@@ -298,6 +310,7 @@ _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
             "moment": PointLoadTable,
             "line_force": LineLoadTable,
             "line_moment": LineLoadTable,
+            **FORCE_TABLES,
         },
     ),
 }
@@ -322,6 +335,8 @@ def located(loc: Place) -> tuple[Place, type[Table] | None]:
         return loc[:2], _ONE[top]
     if len(loc) == 2:
         return loc, None
+    if top == "rod" and loc[2] == "damping" and len(loc) > 3:
+        return loc[:4], DampingTable
     if top in _MANY:
         return loc[:3], _MANY[top]
     return (*loc[:2], loc[3]), _KINDS[top][1][str(loc[2])]

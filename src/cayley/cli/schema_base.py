@@ -10,6 +10,7 @@ NAME = 'a text without "/" and other than empty'
 PORT = "ROD.start, ROD.end, ROD.node K, BODY.centre or BODY.PORT, with the name of a rod or body"
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Until = Annotated[float, Field(allow_inf_nan=True)]
 Name = Annotated[str, Field(pattern=r"^[^/]+$")]
 
 

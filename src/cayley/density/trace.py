@@ -104,7 +104,8 @@ class Density:
             self._cache[key] = ca.Function("force", [inputs], found, {"allow_free": True})
         more = [point.get(f"rate of {name}", np.zeros(r.shape)) for name, r in rates.items()]
         at = ca.vertcat(self._at(point), *[to_sx(np.asarray(v, dtype=object)) for v in more])
-        return {name: _column(value) for name, value in zip(terms, self._cache[key].call([at]), strict=True)}
+        found = self._own_constants(self._cache[key].call([at]), point)
+        return {name: _column(value) for name, value in zip(terms, found, strict=True)}
 
     def depends(self, part: str, *slots: str) -> bool:
         """Tell whether a part depends on any of the slots (a rotation's own slot means its frame)."""

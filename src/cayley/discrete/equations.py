@@ -91,7 +91,7 @@ class DiscreteEquations:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
             words.append(f"{names} {'explicit' if block.linear else 'by Newton'}")
         if self.forced:
-            words.append("velocities of forces by a predictor")
+            words.append("velocities at steps by a predictor")
         count = self.density.constraints.numel()
         solved = f"; {count} multiplier{'s' * (count > 1)} an element, block tridiagonal, by Newton" if count else ""
         return "decoupled nodes; " + "; ".join(words) + solved
@@ -99,12 +99,12 @@ class DiscreteEquations:
     @property
     def signature(self) -> str:
         """Text that determines every program."""
-        rule = f"{self.rule!r} {self.layout.representation.name} {sorted(self.varying)}"
+        rule = f"{self.rule!r} {self.layout.representation.name} {sorted(self.varying)}" + " forced" * self.forced
         return f"{rule}\n{self.density.signature}"
 
 
 def derive(
-    density: Density, rule: Rule, *, rotation: str = "quaternion", varying: Iterable[str] = ()
+    density: Density, rule: Rule, *, rotation: str = "quaternion", varying: Iterable[str] = (), account: bool = False
 ) -> DiscreteEquations:
     """Derive the discrete Euler-Lagrange equations of a density under a rule.
 
@@ -114,6 +114,7 @@ def derive(
         rotation: "quaternion" or "matrix".
         varying: names of uniform inputs and constants that differ from node to node, and NAME@k of those that differ
             within an element (see discrete.places).
+        account: keep account of the work of time-dependent loads, as is done with forces beside the Lagrangian.
 
     Raises:
         ValueError: if the rotation form is unknown, or velocities are coupled with derivatives along the interval.
@@ -139,11 +140,6 @@ def derive(
             f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
             f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
         )
-    if density.constraints.numel() and density.force is not None and not rule.implicit:
-        raise ValueError(
-            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities with forces; "
-            f"use midpoint, screw_midpoint or galerkin(time=...)"
-        )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
     layout = Layout(lagrangian.fields, REPRESENTATIONS[rotation])
@@ -153,7 +149,7 @@ def derive(
         raise ValueError(f"varying names {unknown[0]!r}; inputs are {', '.join(candidates)}")
     uniforms = tuple(name for name in candidates if name not in set(varying))
     by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
-    forced = not rule.implicit and density.force is not None
+    forced = not rule.implicit and (density.force is not None or account)
     rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
     return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 

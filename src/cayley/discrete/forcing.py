@@ -58,8 +58,8 @@ def _motion(density: Density, point: Mapping[str, Any], unknown: ca.SX, moving: 
     along = density.lagrangian.interval
     for name in density.lagrangian.fields:
         if name in density.frames:
-            frame = to_sx(np.asarray(point[f"frame of {name}"], dtype=object))
-            motion[f"{name}_t"] = _column(_turn(frame, ca.reshape(ca.jtimes(ca.vec(frame), unknown, moving), 3, 3)))
+            turned = _turned(point, name)
+            motion[f"{name}_t"] = _column(_turn(turned, ca.jtimes(turned, unknown, moving)))
         else:
             motion[f"{name}_t"] = _column(ca.jtimes(to_sx(point[name]), unknown, moving))
         slope = f"{name}_{along}"
@@ -74,20 +74,45 @@ def _rate_of(density: Density, slot: str, motion: Mapping[str, Any]) -> Any:
 
 def _pulled(density: Density, slot: str, f: ca.SX, point: Mapping[str, Any], unknown: ca.SX) -> ca.SX:
     """(∂slot/∂u)ᵀ f by one reverse sweep."""
-    given = ca.SX.sym("f", f.numel())
-    if slot in density.frames:  # η of Λᵀ δΛ = η̂, about a frame that stays
-        frame = to_sx(np.asarray(point[f"frame of {slot}"], dtype=object))
-        fixed = ca.SX.sym("fixed", 3, 3)
-        gradient = ca.gradient(ca.dot(given, _turn(fixed, frame)), unknown)
-        return ca.substitute([gradient], [given, fixed], [f, frame])[0]
-    gradient = ca.gradient(ca.dot(given, to_sx(point[slot])), unknown)
-    return ca.substitute([gradient], [given], [f])[0]
+    if slot in density.frames:
+        turned = _turned(point, slot)
+        change = ca.SX.sym("change", turned.numel())
+        f = ca.jacobian(_turn(turned, change), change).T @ f
+        return ca.jtimes(turned, unknown, f, True)
+    return ca.jtimes(to_sx(point[slot]), unknown, f, True)
 
 
-def _turn(frame: ca.SX, change: ca.SX) -> ca.SX:
-    """The vector of the skew part of Λᵀ δΛ."""
-    product = frame.T @ change
+def _turned(point: Mapping[str, Any], name: str) -> ca.SX:
+    """What turns with a rotation: a quaternion of any length where there is one, else the frame, as a column."""
+    if f"quaternion of {name}" in point:
+        return to_sx(point[f"quaternion of {name}"])
+    return ca.vec(to_sx(np.asarray(point[f"frame of {name}"], dtype=object)))
+
+
+def _turn(fixed: ca.SX, change: ca.SX) -> ca.SX:
+    """η of a change of what turns: 2 Im(z̄ δz)/‖z‖² of a quaternion, the vector of skew Λᵀ δΛ of a frame."""
+    if fixed.numel() == 4:
+        w, v, dw, dv = fixed[0], fixed[1:], change[0], change[1:]
+        return (2.0 / ca.dot(fixed, fixed)) * (w * dv - dw * v - ca.cross(v, dv))
+    product = ca.reshape(fixed, 3, 3).T @ ca.reshape(change, 3, 3)
     return 0.5 * ca.vertcat(product[2, 1] - product[1, 2], product[0, 2] - product[2, 0], product[1, 0] - product[0, 1])
+
+
+def _with_quaternions(layout: Layout, points: Any, ends: list[Expression] | None, z: Expression | None = None) -> Any:
+    """Points of an element between two nodes, or in the embedding space, with the quaternions that turn there."""
+    if layout.representation.rows != 4 or (ends is not None and len(ends) > 2):
+        return points
+    made = []
+    for k, (weight, point) in enumerate(points):
+        own = dict(point)
+        for name in layout.rotations:
+            rows = layout.rows_of(name)
+            if z is not None:
+                own[f"quaternion of {name}"] = z[rows]
+            elif ends is not None:
+                own[f"quaternion of {name}"] = ends[k][rows] if len(points) > 1 else wrap(ends[0][rows] + ends[1][rows])
+        made.append((weight, own))
+    return made
 
 
 def node_forcing(
@@ -135,7 +160,7 @@ def element_forcing(
     if len(ends) > 2:
         found: Weighted = polynomial_points(density, points, layout, ends, place)
     else:
-        found = element_points(density, points, layout, (ends[0], ends[1]), place)
+        found = _with_quaternions(layout, element_points(density, points, layout, (ends[0], ends[1]), place), ends)
     tangents = [tangent(layout, end) for end in ends]
     unknown = ca.vertcat(*[to_sx(end) for end in ends])
     moving = ca.vertcat(*[t @ to_sx(v) for t, v in zip(tangents, rates, strict=True)])
@@ -182,9 +207,11 @@ def force_program(
     elif points is not None and points.between_ends:
         ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here + 1.0 / inverse)}
         both = normalized(layout, parts[0]), normalized(layout, parts[1])
-        found = element_points(density, points, layout, both, ends)
+        found = _with_quaternions(layout, element_points(density, points, layout, both, ends), list(both))
     else:
         found = [(1.0, embedded_point(layout, parts[0], parts[1], along) | place)]
+    if at_node or points is None or not points.between_ends:
+        found = _with_quaternions(layout, found, None, parts[0])
     unknown, moving = (ca.vertcat(*[to_sx(v) for v in values]) for values in (parts, rates))
     f, powers = ca.SX.zeros(unknown.shape), dict.fromkeys(KINDS, ca.SX(0))
     for where, kind in itertools.product((NODE,) if at_node else (STRAIN, SPREAD), KINDS):

@@ -83,8 +83,10 @@ def polynomial_points(
     values, slopes = lagrange(lobatto(len(nodes) - 1), points.at)
     controls = {name: _controls(layout, name, nodes) for name in layout.fields}
     found = []
-    for weight, at, phi, slope in zip(points.weights, points.at, values, slopes, strict=True):
-        point: dict[str, Any] = {"t": place["t"], along: place["left"] + at / place["inverse"]}
+    own_constants = place.get("at points", [{}] * len(points.at))
+    table = zip(points.weights, points.at, values, slopes, own_constants, strict=True)
+    for weight, at, phi, slope, constants in table:
+        point: dict[str, Any] = {"t": place["t"], along: place["left"] + at / place["inverse"], **constants}
         for name, own in controls.items():
             z, dz = _polynomial(own, phi), _polynomial(own, slope * place["inverse"], derivative=True)
             if name in layout.rotations:

@@ -15,9 +15,38 @@ from cayley.model import validate
 from cayley.model.part import Part
 from cayley.model.port import Port
 from cayley.model.rod import Rod
+from cayley.model.rod_loads import RodLoad
+from cayley.model.spread import (
+    buoyancy,
+    density,
+    distributed,
+    drag,
+    imposed_strain,
+    pressure,
+    temperature,
+    tendon,
+)
 from cayley.model.validate import Array, Triple
 
-__all__ = ["Gravity", "LineLoad", "PointLoad", "force", "gravity", "line_force", "line_moment", "moment"]
+__all__ = [
+    "Gravity",
+    "LineLoad",
+    "PointLoad",
+    "RodLoad",
+    "buoyancy",
+    "density",
+    "distributed",
+    "drag",
+    "force",
+    "gravity",
+    "imposed_strain",
+    "line_force",
+    "line_moment",
+    "moment",
+    "pressure",
+    "temperature",
+    "tendon",
+]
 
 Value = Triple | Callable[[float], ArrayLike]
 
@@ -216,7 +245,7 @@ class LineLoad(_Timed):
         return f"line {self.kind} on {name}"
 
 
-Load = Gravity | PointLoad | LineLoad
+Load = Gravity | PointLoad | LineLoad | RodLoad
 
 
 def gravity(acceleration: ArrayLike) -> Gravity:

@@ -9,7 +9,7 @@ from typing import Any
 from cayley.model import check
 from cayley.model.body import Body, PointMass
 from cayley.model.joints import Joint
-from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
+from cayley.model.loads import Gravity, LineLoad, Load, PointLoad, RodLoad
 from cayley.model.part import Part
 from cayley.model.port import Port
 from cayley.model.rod import Rod
@@ -84,7 +84,7 @@ class Model:
             "supports": (supports, (Support, Joint), "supports.pin(rod.start)"),
             "joints": (joints, (Joint,), "joints.weld(mast.end, arm.start)"),
             "springs": (springs, (Spring,), "springs.linear(rod.end, stiffness=10.0)"),
-            "loads": (loads, (Gravity, PointLoad, LineLoad), "loads.gravity((0, 0, -9.81))"),
+            "loads": (loads, (Gravity, PointLoad, LineLoad, RodLoad), "loads.gravity((0, 0, -9.81))"),
         }
         for name, (given, kind, example) in wanted.items():
             object.__setattr__(self, name, check.members(name, given, kind, example))

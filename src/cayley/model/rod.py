@@ -12,6 +12,7 @@ from cayley.lie import quaternion
 from cayley.model import curve as curves
 from cayley.model import validate
 from cayley.model.curve import Shape
+from cayley.model.damping import Damping
 from cayley.model.frames import standard_rotation
 from cayley.model.part import Part, checked_name
 from cayley.model.port import Port
@@ -47,6 +48,7 @@ class Rod(Part):
         normal: of the section's e1 axis, of any length and any direction but the rod's own; None: as above.
         kinematics: "shearable" (Simo-Reissner), "unshearable" (Kirchhoff: sections stay perpendicular to the axis) or
             "inextensible" (Kirchhoff, and the axis keeps its length).
+        damping: made by `damping.retardation`, `damping.ratio`, ...; None: no damping at all.
         name: in listings and results; empty: the model numbers the rod.
 
     Raises:
@@ -65,6 +67,7 @@ class Rod(Part):
     spacing: tuple[float, ...] | None = None
     shape: Shape | None = None
     stretched: float = 1.0
+    damping: Damping | None = None
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -74,6 +77,9 @@ class Rod(Part):
         if self.kinematics not in KINEMATICS:
             right = " or ".join(f'"{word}"' for word in KINEMATICS)
             raise ValueError(validate.wrong(owner, "kinematics", self.kinematics, right))
+        if self.damping is not None and not isinstance(self.damping, Damping):
+            right = "made by cayley.damping, such as damping.retardation(1e-3), or None"
+            raise TypeError(validate.wrong(owner, "damping", self.damping, right))
         normal = None if self.normal is None else validate.direction(owner, "normal", self.normal)
         direction = validate.direction(owner, "direction", self.direction)
         standard_rotation(owner, direction, normal, self.normal)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cayley.model.body import PointMass
-from cayley.model.loads import LineLoad, PointLoad
+from cayley.model.loads import Gravity
 from cayley.model.part import Part
 from cayley.model.rod import Rod
 
@@ -35,17 +35,15 @@ def tree(model: Model) -> list[str]:
     lines += _section("springs", [model.described(spring) for spring in model.springs])
     lines += _section(
         "loads",
-        [
-            load.described(model.name_of(load.part)) if isinstance(load, (PointLoad, LineLoad)) else str(load)
-            for load in model.loads
-        ],
+        [str(load) if isinstance(load, Gravity) else load.described(model.name_of(load.part)) for load in model.loads],
     )
     return lines + _section("warnings", list(model.warnings))
 
 
 def _size(part: Part) -> str:
     if isinstance(part, Rod):
-        return f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.stations.name}"
+        damped = "" if part.damping is None else f", {part.damping}"
+        return f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.stations.name}{damped}"
     return "point mass" if isinstance(part, PointMass) else "rigid body"
 
 

@@ -9,8 +9,10 @@ import numpy as np
 from cayley.model import Model, Part, Rod, Section
 from cayley.model.curve import Shape
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
+from cayley.model.rod_loads import KINDS, RodLoad
 from cayley.model.stations import Stations
 from cayley.model.supports import Support
+from cayley.results.forces_record import damping_from, damping_record, rod_load_from, rod_load_record
 from cayley.results.tie_record import (
     body_record,
     parts_from,
@@ -162,6 +164,8 @@ def _rod_from(record: Mapping[str, Any], sections: Sequence[Section]) -> Rod:
         given["section"] = Stations(rows, str(section["name"]))
     else:
         given["section"] = sections[section]
+    if given.get("damping") is not None:
+        given["damping"] = damping_from(given["damping"])
     if given.get("shape") is not None:
         given["shape"] = Shape(**{name: np.array(given["shape"][name]) for name in ("position", "rotation")})
     return Rod(**given)
@@ -179,6 +183,7 @@ def _rod_record(rod: Rod) -> dict[str, Any]:
         **({} if rod.spacing is None else {"spacing": list(rod.spacing)}),
         **({} if rod.stretched == 1.0 else {"stretched": rod.stretched}),
         **({} if rod.shape is None else {"shape": _shape_record(rod.shape)}),
+        **({} if rod.damping is None else {"damping": damping_record(rod.damping)}),
     }
 
 
@@ -193,6 +198,8 @@ def _index(rod: Rod, model: Model) -> int:
 def _load_record(load: Load, model: Model) -> dict[str, Any]:
     if isinstance(load, Gravity):
         return {"kind": "gravity", "acceleration": list(load.acceleration)}
+    if isinstance(load, RodLoad):
+        return rod_load_record(load, _index(load.rod, model))
     place = port_record(load.port, model) if isinstance(load, PointLoad) else {"rod": _index(load.rod, model)}
     named = getattr(load.value, "__name__", type(load.value).__name__)
     return {
@@ -210,6 +217,8 @@ def _load_from(
 ) -> Load:
     if record["kind"] == "gravity":
         return Gravity(tuple(record["acceleration"]))
+    if record["kind"] in KINDS:
+        return rod_load_from(record, list(rods))
     shared = {
         "kind": record["kind"],
         "value": tuple(record["value"]) if function is None else function,

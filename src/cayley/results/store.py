@@ -29,7 +29,8 @@ from cayley.density import Rotation, Vector
 from cayley.discrete.layout import Layout
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.model import Model
-from cayley.model.loads import Gravity
+from cayley.model.loads import LineLoad, PointLoad
+from cayley.model.rod_loads import KINDS
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations
 from cayley.results.outline import Outline
@@ -155,7 +156,7 @@ def _write(run: Trajectory, path: Path) -> None:
             component = {4: "wxyz", 9: "entry"}[layout.representation.rows] if turns else "axis"
             _put(group, {key: (units.get(key), values)}, ("time", "node", component), along=run.outline.interval)
     for k, load in enumerate(run.model.loads if run.model is not None else ()):
-        if not isinstance(load, Gravity) and callable(load.value):
+        if isinstance(load, PointLoad | LineLoad) and callable(load.value):
             group = root.create_group(f"loads/{k}")
             table = np.array([load.at(float(t)) for t in frames.times])
             _put(group, times, ("time",))
@@ -244,7 +245,7 @@ def _model(root: Any, record: Mapping[str, Any] | None, times: np.ndarray) -> Mo
         return None
     functions: list[Sampled | None] = []
     for k, load in enumerate(record["loads"]):
-        timed = isinstance(load.get("value"), Mapping)
+        timed = isinstance(load.get("value"), Mapping) and load["kind"] not in KINDS
         table = _get(root, f"loads/{k}/value", (len(times), 3)) if timed else None
         functions.append(None if table is None else Sampled(load["value"]["function"], times, table))
     motions: dict[str, Sampled] = {}

@@ -73,7 +73,8 @@ class Trajectory:
                 "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
                 "it again, and go on with cy.integrate(system, run.state, t_end=...)"
             )
-        return discretize(self.model, by_name(self.rule), rotation=self.outline.layout.representation.name)
+        rotation, account = self.outline.layout.representation.name, self.frames.work is not None
+        return discretize(self.model, by_name(self.rule), rotation=rotation, account=account)
 
     @functools.cached_property
     def outline(self) -> Outline:

@@ -37,6 +37,7 @@ def simulate(
     save_every: float | None = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
+    balance: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
@@ -54,6 +55,8 @@ def simulate(
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
         rotation: "quaternion" or "matrix".
+        balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the
+            Lagrangian it is kept anyway.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
 
@@ -71,7 +74,7 @@ def simulate(
         )
     if rule is not None and not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
-    begin = start_of_model(model, rotation, initial)
+    begin = start_of_model(model, rotation, initial, account=balance)
 
     def run(rule: Rule, dt: float | None) -> Trajectory:
         system, state = begin(rule)
@@ -83,7 +86,7 @@ def simulate(
         return run(rule or rules.verlet, dt)
     _check_accuracy(accuracy, dt)
     task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return _run_chosen(task, _candidates(rule), run)
+    return _run_chosen(task, _candidates(rule, begin), run)
 
 
 def advise(
@@ -104,8 +107,9 @@ def advise(
         ValueError: if an argument does not fit or no rule reaches the accuracy.
     """
     _check_accuracy(accuracy, None)
-    task = _task(start_of_model(model, rotation, initial), t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return choose(task, _candidates(rule), thorough=True)
+    begin = start_of_model(model, rotation, initial)
+    task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
+    return choose(task, _candidates(rule, begin), thorough=True)
 
 
 def integrate(
@@ -164,8 +168,11 @@ def _check_accuracy(accuracy: Any, dt: float | None) -> None:
         raise ValueError(f"accuracy is {accuracy!r}; give a number between 1e-12 and 0.5, such as 1e-3")
 
 
-def _candidates(rule: Rule | None) -> tuple[Rule, ...]:
-    return CANDIDATES if rule is None else (rule,)
+def _candidates(rule: Rule | None, begin: Callable[[Rule], tuple[System, State]]) -> tuple[Rule, ...]:
+    if rule is not None:
+        return (rule,)
+    forced = begin(CANDIDATES[0])[0].equations.density.force is not None
+    return tuple(r for r in CANDIDATES if not (forced and r.implicit))  # implicit rules take no such forces yet
 
 
 def _task(

@@ -21,13 +21,13 @@ START_TOLERANCE = 1e-8
 
 
 def start_of_model(
-    model: Model, rotation: str, initial: Mapping[Any, Mapping[str, Any]] | None
+    model: Model, rotation: str, initial: Mapping[Any, Mapping[str, Any]] | None, *, account: bool = False
 ) -> Callable[[Rule], tuple[System, State]]:
     """A function that makes system and start for a rule, once for each."""
 
     @functools.cache
     def begin(rule: Rule) -> tuple[System, State]:
-        system = discretize(model, rule, rotation=rotation)
+        system = discretize(model, rule, rotation=rotation, account=account)
         values, velocity, momenta = initial_values(model, system, initial or {})
         state = initial_state(system, values, velocity)
         given = np.isfinite(momenta) & system.free

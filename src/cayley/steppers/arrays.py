@@ -37,7 +37,7 @@ def term_arrays(plan: "Plan", cells: Cells) -> dict[str, Any]:
 
 
 def coupling_arrays(
-    plan: "Plan", cells: Cells, which: int, steps: int, saves: int, state: State, starts: np.ndarray
+    plan: "Plan", cells: Cells, which: int, steps: int, state: State, starts: np.ndarray
 ) -> dict[str, Any]:
     """Fields of struct coupling; which is its number."""
     full, light = cells.kernels
@@ -57,7 +57,7 @@ def coupling_arrays(
     slopes = (padded // plan.lanes, together, cells.nodes.shape[1], layout.dofs, plan.lanes)
     return (
         _shared(plan, cells, plan.stages + 1)
-        | _drives(plan, cells, steps, saves, state, padded)
+        | _drives(plan, cells, steps, state, padded)
         | {
             "run": full.run,
             "setup": full.setup,
@@ -82,24 +82,23 @@ def coupling_arrays(
     )
 
 
-def _drives(plan: "Plan", cells: Cells, steps: int, saves: int, state: State, padded: int) -> dict[str, Any]:
-    """Prescribed motions at the control times of all steps, and their rates at the saved frames."""
+def _drives(plan: "Plan", cells: Cells, steps: int, state: State, padded: int) -> dict[str, Any]:
+    """Prescribed motions and their rates at the control times of all steps."""
     driver = np.full(padded, -1, dtype=np.int64)
     if cells.drive is None or cells.driver is None:
         nothing = np.zeros(1)
         return {"drives": 0, "driver": driver, "driven": 0, "drive": nothing, "drive_rate": nothing}
     driver[: len(cells.driver)] = cells.driver
     times = state.origin + (state.step + np.arange(steps)[:, None] + plan.tables["ends"]) * state.h
-    values = cells.drive(times.reshape(-1))
-    frames = times[steps // saves - 1 :: steps // saves, -1]
-    step = 1e-3 * state.h
-    ahead, behind = ([cells.drive(frames + sign * k * step) for k in (1, 2)] for sign in (1, -1))
+    shape, step = (*times.shape, int(cells.driver.max()) + 1, -1), 1e-3 * state.h
+    values = cells.drive(times.reshape(-1)).reshape(shape)
+    ahead, behind = ([cells.drive(times.reshape(-1) + sign * k * step) for k in (1, 2)] for sign in (1, -1))
     rate = (8.0 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12.0 * step)  # of fourth order
     return {
-        "drives": values.shape[2],
+        "drives": values.shape[3],
         "driver": driver,
-        "driven": values.shape[1],
-        "drive": np.ascontiguousarray(values.reshape(steps, plan.stages + 1, *values.shape[1:])),
+        "driven": values.shape[2],
+        "drive": np.ascontiguousarray(values),
         "drive_rate": np.ascontiguousarray(rate),
     }
 

@@ -27,7 +27,7 @@ class Explicit:
         plan: the problem of the constrained nodes.
         calls: addresses of run and setup of kick, drift and predict (0 without), shape (3, 2).
         uniforms: their uniform inputs and room behind them, shape (3, width).
-        slot: block, lane, first row of values and of momenta of every constrained node, shape (n, 4).
+        slot: block, lane, first row of values, of momenta and of predicted velocities (−1 without), shape (n, 5).
         spans: first block, last block, and whether constraints know a node there, shape (m, 3).
         entries: loads: block, lane, row, row of the rotation, form and column, shape (k, 6).
         scales: their factors, shape (k,).
@@ -52,6 +52,7 @@ def make_plan(system: System) -> Explicit:
     cell, position = np.divmod(system.slots, rows.cell)
     block, lane = 1 + cell // lanes, cell % lanes
     momenta = rows.momenta.start + position * layout.dofs
+    predicted = rows.forced["predicted"].start + position * layout.dofs if rows.forced else np.full(system.size, -1)
     node, dof = np.nonzero(~system.free)
     names = ["kick", "drift_held" if len(node) else "drift", *(["predict"] if rows.forced else [])]
     found = [system.kernels[name] for name in names]
@@ -70,7 +71,7 @@ def make_plan(system: System) -> Explicit:
         plan=plan,
         calls=calls,
         uniforms=uniforms,
-        slot=np.column_stack([block, lane, position * layout.rows, momenta])[nodes].astype(np.int64),
+        slot=np.column_stack([block, lane, position * layout.rows, momenta, predicted])[nodes].astype(np.int64),
         spans=_spans(-(-system.cells // lanes), set(block[nodes].tolist())),
         entries=entries,
         scales=scales,
@@ -100,20 +101,25 @@ def run(
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
     explicit, rows = make_plan(system), system.equations.rows
-    data = pack(system, state)
+    data = pack(system, state if state.work is None else replace(state, work=state.work[:-1]))
     done = 0
     while done < saves:
         count = max(1, min(saves - done, CHUNK // stride))
         frames = aligned((count, data.shape[0] - 2, rows.kept, data.shape[2]))
-        outcome, reached, counts, memory = _advance(explicit, data, state, stride, frames)
+        works = np.zeros((count, 1, 2))
+        outcome, reached, counts, memory = _advance(explicit, data, state, stride, frames, works)
         if reached:
             values, momenta = (by_node(system, frames[:reached], part) for part in (rows.values, rows.momenta))
             last = state.step + reached * stride
             known = memory if outcome is Outcome.FINISHED else None
             state = replace(state, values=values[-1], momenta=momenta[-1], step=last, memory=known)
             more: dict[str, Any] = {}
-            if rows.forced:
-                more["work"] = gather(frames[:reached], rows.forced["account"], system.cells)
+            if system.accounted:
+                own = gather(frames[:reached], rows.forced["account"], system.cells) if rows.forced else works[:0, :0]
+                more["work"] = works[:reached]
+                if rows.forced:
+                    own = gather(frames[:reached], rows.forced["account"], system.cells)
+                    more["work"] = np.concatenate([own, works[:reached]], axis=1)
                 state = replace(state, work=more["work"][-1])
             receive(values, momenta, **more)
         if outcome is not Outcome.FINISHED:
@@ -130,12 +136,14 @@ def prepare(system: System) -> None:
 
 
 def _advance(
-    explicit: Explicit, data: np.ndarray, state: State, stride: int, frames: np.ndarray
+    explicit: Explicit, data: np.ndarray, state: State, stride: int, frames: np.ndarray, works: np.ndarray
 ) -> tuple[Outcome, int, np.ndarray, np.ndarray]:
     """One call of the driver: the outcome, the frames reached, counts (see struct problem), and the multipliers."""
     plan = explicit.plan
     system, steps = plan.system, len(frames) * stride
-    made = problem.make_problem(plan, state, steps, len(frames))
+    made = problem.make_problem(plan, state, steps, len(frames), {"works": works})
+    if state.work is not None:
+        made.arrays["energy"][1:] = state.work[-1]
     sizes = [c["start"].size for c in made.couplings]
     if state.memory is not None and state.memory.shape == (sum(sizes),):
         for coupling, values in zip(made.couplings, np.split(state.memory, np.cumsum(sizes)[:-1]), strict=True):
@@ -153,6 +161,7 @@ def _advance(
         "spans": explicit.spans,
         "saved": saved,
         "given": given,
+        "before": np.zeros_like(given),
         "table": table,
         "entries": explicit.entries,
         "scales": explicit.scales,

@@ -185,7 +185,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
     memory = np.zeros((stages, *values))
     memory[:, nodes] = control[0, nodes]
     couplings = [
-        coupling_arrays(plan, cells, k, steps, saves, state, starts) for k, cells in enumerate(plan.constraints)
+        coupling_arrays(plan, cells, k, steps, state, starts) for k, cells in enumerate(plan.constraints)
     ]
     terms = [term_arrays(plan, cells) for cells in plan.terms]
     padded = -(-layout.dofs // plan.lanes) * plan.lanes
@@ -197,6 +197,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
         "accepted": np.zeros_like(control),
         "reached": np.zeros_like(control),
         "momenta": np.concatenate([state.momenta[plan.nodes], np.zeros((1, layout.dofs))]),
+        "velocity": np.zeros((nodes + 1, layout.dofs)),
         "after": np.zeros((nodes + 1, layout.dofs)),
         "residual": np.zeros((nodes + 1, stages, layout.dofs)),
         "free": np.concatenate([plan.system.free[plan.nodes].astype(float), np.zeros((1, layout.dofs))]),

@@ -52,24 +52,13 @@ def projected(system: System, state: State) -> tuple[np.ndarray, int]:
     """Momenta μ − Gᵀ ν whose velocities agree with the constraints; and the node of a redundant one, or −1."""
     plan = make_plan(system)
     made = problem.make_problem(plan, state if state.h else state.at_step(1.0), 1, 1)
-    # drives and their rates are those of the start: of the only step its first control
-    rates_at_start(made, state)
     time = ctypes.c_double(state.time)
-    failed = made.engine.project(ctypes.byref(made.struct), *_words(0, 0, 0), time, ctypes.c_double(1.0))
+    failed = made.engine.project(ctypes.byref(made.struct), *_words(0, 0), time, ctypes.c_double(made.struct.h))
     if failed:
         return state.momenta, int(plan.nodes[np.flatnonzero(plan.block_of == failed - 1)[0]])
     momenta = state.momenta.copy()
     momenta[plan.nodes] = made.arrays["momenta"][:-1]
     return momenta, -1
-
-
-def rates_at_start(made: problem.Problem, state: State) -> None:
-    """Let the rates of the drives be those at the state, not those at the end of a step."""
-    for cells, arrays in zip(made.plan.constraints, made.couplings, strict=True):
-        if cells.drive is not None:
-            step = 1e-4 * made.struct.h
-            ahead, behind = (cells.drive(np.array([state.time + sign * step])) for sign in (1.0, -1.0))
-            arrays["drive_rate"][:] = (ahead - behind) / (2.0 * step)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,7 @@
 """Linearized non-conservative forces: what they add to the stiffness of a system, and its damping."""
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
@@ -7,6 +9,7 @@ from cayley.density.expression import Expression, symbols, to_sx, wrap
 from cayley.density.force import KINDS
 from cayley.discrete.forcing import element_forcing, node_forcing
 from cayley.discrete.node import tangent
+from cayley.discrete.places import constants_at, placed
 from cayley.system.system import System
 
 TINY = 1e-12
@@ -32,8 +35,10 @@ def forced_matrices(
     density, count = equations.density, equations.rows.cell + 1
     ends = [symbols(f"end{k}", layout.rows) for k in range(count)]
     moving = [symbols(f"rate{k}", layout.dofs) for k in range(count)]
-    names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
-    place = names | {"here": names["left"]}
+    names: dict[str, Any] = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
+    extra = {n: ca.SX.sym(n) for n in placed(equations.varying)}
+    place: dict[str, Any] = names | {"here": names["left"]}
+    place["at points"] = [constants_at(extra, k) for k in range(len(equations.rule.strain.at))]
     zero = ca.SX.zeros(count * layout.dofs)
     of_node, of_element = ca.SX.zeros(layout.dofs), zero
     for kind in KINDS:
@@ -50,7 +55,7 @@ def forced_matrices(
         -ca.jacobian(of_element, v),
         -ca.jacobian(of_node, v)[:, :d],
     ]
-    symbols_of = ca.vertcat(q, _joined(list(names.values())), density.parameters, v)
+    symbols_of = ca.vertcat(q, _joined(list(names.values())), density.parameters, *extra.values(), v)
     function = ca.Function("forced", [symbols_of], [ca.densify(o) for o in outputs])
     others = TINY + np.column_stack([np.roll(rates, -k, axis=0) for k in range(count)])
     numbers = [np.asarray(m) for m in function(np.column_stack([inputs, others]).T)]

@@ -19,12 +19,13 @@ from cayley.system.compile import uniform_values
 from cayley.system.connect import connect
 from cayley.system.couplings import Coupling
 from cayley.system.redundancy import redundant
-from cayley.system.rod_arrays import STRAIN_CONSTANTS, PartArrays, rod_arrays
+from cayley.system.rod_arrays import CONSTRAINED, STRAIN_CONSTANTS, PartArrays, rod_arrays
+from cayley.system.rod_forces import with_forces
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
 
 
-def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> System:
+def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", account: bool = False) -> System:
     """Compile the equations of a model.
 
     All parts run in one sweep, a chain of nodes each, of one node a body; constants that differ become arrays.
@@ -33,13 +34,15 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
         model: the model.
         rule: quadrature rule.
         rotation: "quaternion" or "matrix".
+        account: keep account of the work of loads; it is kept anyway where there are forces beside the Lagrangian.
 
     Returns: the System; its nodes are those of the parts, one part after the other.
 
     Raises:
         ValueError: rods of different kinematics, joints with matrices, or redundant constraints of joints.
     """
-    library_density = _KINEMATICS[_one_kinematics(model.rods)]
+    kinematics = _one_kinematics(model.rods)
+    lagrangian, forces = with_forces(_KINEMATICS[kinematics], model, CONSTRAINED[kinematics])
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
@@ -49,16 +52,16 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion") -> Sys
         rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
         for part in model.parts
     ]
-    constants = _joined(parts)
+    constants = _joined(parts) | _forced(forces, parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
-    density = trace(library_density, patterns)
+    density = trace(lagrangian, patterns)
     entries = {name: _entry(constants, name) for name in density.names}
     entries |= _within(constants, entries, rule)
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
     varying = [name for name, values in entries.items() if name != plain(name) or np.any(values != values[0])]
     _refuse_within(rule, varying)
-    equations = derive(density, rule, rotation=rotation, varying=varying)
+    equations = derive(density, rule, rotation=rotation, varying=varying, account=account)
     named |= {name: entries[name] for name in varying}
     layout, counts = equations.layout, [part.size for part in parts]
     reference = np.zeros((sum(counts), layout.rows))
@@ -195,6 +198,16 @@ def _joined(parts: Sequence[PartArrays]) -> dict[str, np.ndarray]:
     names = dict.fromkeys(name for part in parts for name in part.constants)
     return {
         name: np.concatenate([part.constants.get(name, part.constants[plain(name)]) for part in parts])
+        for name in names
+    }
+
+
+def _forced(forces: Sequence[Mapping[str, np.ndarray]], parts: Sequence[PartArrays]) -> dict[str, np.ndarray]:
+    """Constants of damping and of loads along rods, the same at all nodes of a part."""
+    pairs = list(zip(forces, parts, strict=True))
+    names = forces[0] if forces else {}
+    return {
+        name: np.concatenate([np.broadcast_to(own[name], (part.size, *np.shape(own[name]))) for own, part in pairs])
         for name in names
     }
 

@@ -38,7 +38,7 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
     Returns: the step [s]; infinite where nothing oscillates.
     """
     masses, stiffness = _matrices(system, values)
-    if not system.equations.forced:
+    if system.equations.density.force is None:
         largest = _highest(system, masses, stiffness, 4.0 / enough**2)
         return float(2.0 / np.sqrt(largest)) if largest > 0.0 else float("inf")
     motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates

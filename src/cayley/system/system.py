@@ -155,7 +155,7 @@ class System:
             return float("inf")
         from cayley.system.stability import stable_dt
 
-        if state is None or not self.equations.forced:
+        if state is None or self.equations.density.force is None:
             return stable_dt(self, self.reference if state is None else state.values, enough=enough)
         from cayley.system.legendre import velocities_of
 

@@ -41,7 +41,7 @@ def numbers(values, density, **at):
 def test_rate_of_a_strain_is_its_derivative_along_a_motion():
     """d/dt (Λᵀx′) = Λᵀẋ′ − ω × Λᵀx′."""
     density = density_of(lambda q, c: [(cy.rate(q.p.inverse_rotate(q.x_s)), q.x)])
-    f = density.force.terms["strain", "moving"]["x"]
+    f = density.force.terms["spread", "moving"]["x"]
     rng = np.random.default_rng(0)
     frame, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     frame *= np.linalg.det(frame)

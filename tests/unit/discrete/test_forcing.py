@@ -7,8 +7,11 @@ from numpy.testing import assert_allclose
 
 import cayley as cy
 from cayley.density import trace
+from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.equations import derive
-from cayley.discrete.rules import galerkin, midpoint, nodal_midpoint, screw_midpoint
+from cayley.discrete.forcing import element_forcing
+from cayley.discrete.node import tangent
+from cayley.discrete.rules import MIDDLE, galerkin, midpoint, nodal_midpoint, screw_midpoint
 from cayley.lie import quaternion
 
 E3 = np.array([0.0, 0.0, 1.0])
@@ -118,3 +121,36 @@ def test_rigid_rotation_meets_no_strain_damping(rule):
     given = [known[s.name()] for s in program.uniforms]
     f = np.array(function([*given, *u.ravel(), *rate.ravel(), *(known[s.name()] for s in rows[2 * point.size :])]))
     assert np.abs(f[: point.size]).max() < 1e-13
+
+
+@pytest.mark.parametrize("kind", ["still", "moving"])
+def test_force_point_contracted_is_the_force_of_an_explicit_element(kind):
+    """f·δ(z, z′) with z = ½(a + b), z′ = (b − a)/ds and δq = T(q) η gives the forces on the nodes of an element."""
+    point = Point(midpoint, "force_point_force")
+    density, layout = point.equations.density, point.layout
+    ends = Point(screw_midpoint, "force_point_force").start()[: point.size].reshape(2, -1)
+    for q in ends:
+        q[layout.rows_of("p")] /= np.linalg.norm(q[layout.rows_of("p")])
+    rates = np.random.default_rng(2).normal(size=(2, layout.dofs))
+    symbols_of = [[symbols(f"{n}{k}", size) for k in range(2)] for n, size in (("q", layout.rows), ("v", layout.dofs))]
+    place = {"inverse": KNOWN["inverse"], "t": KNOWN["t"], "left": KNOWN["here"] - 0.2, "right": KNOWN["here"] + 0.2}
+    found = [
+        sum(to_sx(f) for f in pair)
+        for pair in zip(
+            *[element_forcing(density, MIDDLE, layout, *symbols_of, place, k) for k in ("still", "moving")], strict=True
+        )
+    ]
+    if kind == "still":
+        rates *= 0.0  # the forces at rest
+    inputs = ca.vertcat(*[to_sx(s) for several in symbols_of for s in several], density.parameters)
+    explicit = ca.Function("f", [inputs], [ca.densify(ca.vertcat(*found))])
+    numbers = np.array(explicit(np.concatenate([ends.ravel(), rates.ravel(), density.values])))[:, 0]
+    tangents = [np.array(ca.Function("T", [], [tangent(layout, wrap(q))])()["o0"]) for q in ends]
+    moving = np.stack([t @ v for t, v in zip(tangents, rates, strict=True)])
+
+    def embedded(a, b):
+        return np.concatenate([0.5 * (a + b), KNOWN["inverse"] * (b - a)])
+
+    f = point(np.concatenate([embedded(*ends), embedded(*moving)]))[0].reshape(2, -1)
+    pulled = [t.T @ (0.5 * f[0] + sign * KNOWN["inverse"] * f[1]) for t, sign in zip(tangents, (-1, 1), strict=True)]
+    assert_allclose(np.concatenate(pulled), numbers, atol=1e-12)

@@ -296,13 +296,13 @@ void push_multipliers(struct problem *p, double h, double *out)
 
 /* Rates of the constraints by their drives alone, negative, in the rows of the multipliers. They are at most quadratic in
  * the drives, so a central difference is exact. */
-static void driven_rates(struct problem *p, i64 number, i64 i, i64 save, double h)
+static void driven_rates(struct problem *p, i64 number, i64 i, double h)
 {
     for (i64 m = 0; m < p->couplings; m++) {
         struct coupling *c = &p->coupling[m];
         if (!c->driven) continue;
         vec *q = (vec *)p->cells;
-        const double *now = drives(p, c, number, i), *rate = c->drive_rate + save * c->driven * c->drives;
+        const double *now = drives(p, c, number, i), *rate = c->drive_rate + (number * (p->stages + 1) + i) * c->driven * c->drives;
         double moved[c->driven * c->drives];
         for (i64 side = -1; side <= 1; side += 2)
             for (i64 block = 0; block * LANES < c->cells; block++) {
@@ -319,26 +319,41 @@ static void driven_rates(struct problem *p, i64 number, i64 i, i64 save, double 
     }
 }
 
-/* Project the momenta at the first controls so that velocities satisfy the constraints (RATTLE), mu = M v; drives are
- * those of control i of a step. Returns 0, or 1 + the block of redundant constraints. */
-i64 project(struct problem *p, i64 number, i64 i, i64 save, double time, double h)
+/* Velocities of momenta that satisfy the constraints: M v + G' n = mu, G v = rate of the drives of control i of a step,
+ * with the matrix of saddle_point; [nodes + 1][dofs] both. */
+void velocities(struct problem *p, i64 number, i64 i, double h, const double *momenta, double *out)
 {
-    i64 dofs = DOFS, stride = (dofs + LANES - 1) / LANES * LANES;
-    i64 failed = saddle_point(p, number, i, time);
-    if (failed) return failed;
+    i64 dofs = DOFS;
     memset(p->unknown, 0, (size_t)p->unknowns * sizeof(double));
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++)
-            p->unknown[p->place[n] + d] = p->free[n * dofs + d] * p->momenta[n * dofs + d];
-    driven_rates(p, number, i, save, h);
+            p->unknown[p->place[n] + d] = p->free[n * dofs + d] * momenta[n * dofs + d];
+    driven_rates(p, number, i, h);
     solve(p->fronts, p->matrix, p->pivots, p->unknown);
+    for (i64 n = 0; n < p->nodes; n++)
+        for (i64 d = 0; d < dofs; d++) out[n * dofs + d] = p->free[n * dofs + d] * p->unknown[p->place[n] + d];
+}
+
+/* out = M v, [nodes + 1][dofs] both. */
+void multiply_mass(struct problem *p, const double *v, double *out)
+{
+    i64 dofs = DOFS, stride = (dofs + LANES - 1) / LANES * LANES;
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++) {
             double sum = 0.0;
-            for (i64 e = 0; e < dofs; e++)
-                sum += p->mass[(n * dofs + d) * stride + e] * p->free[n * dofs + e] * p->unknown[p->place[n] + e];
-            p->momenta[n * dofs + d] = p->free[n * dofs + d] * sum;
+            for (i64 e = 0; e < dofs; e++) sum += p->mass[(n * dofs + d) * stride + e] * v[n * dofs + e];
+            out[n * dofs + d] = p->free[n * dofs + d] * sum;
         }
+}
+
+/* Project the momenta at the first controls so that velocities satisfy the constraints (RATTLE), mu = M v; drives are
+ * those of control i of a step. Returns 0, or 1 + the block of redundant constraints. */
+i64 project(struct problem *p, i64 number, i64 i, double time, double h)
+{
+    i64 failed = saddle_point(p, number, i, time);
+    if (failed) return failed;
+    velocities(p, number, i, h, p->momenta, p->velocity);
+    multiply_mass(p, p->velocity, p->momenta);
     return 0;
 }
 

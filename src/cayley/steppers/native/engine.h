@@ -73,7 +73,7 @@ struct coupling {
     i64 *driver;         /* which driven cell it is, or -1, [blocks * LANES] */
     i64 driven;          /* number of driven cells */
     double *drive;       /* [steps][controls][driven][drives] */
-    double *drive_rate;  /* at saved frames, [saves][driven][drives] */
+    double *drive_rate;  /* their rates, as drive */
     double *slopes;      /* left-trivialized derivatives at the first control, [blocks][gauss * count][width][dofs][LANES] */
     i64 multiplier_row;  /* where multipliers stand */
     i64 count;           /* constraints of a point */
@@ -118,6 +118,7 @@ struct problem {
     double *accepted;    /* room, [r + 1][nodes + 1][rows] */
     double *reached;     /* room, [r + 1][nodes + 1][rows] */
     double *momenta;     /* [nodes + 1][dofs] */
+    double *velocity;    /* room, [nodes + 1][dofs] */
     double *after;       /* those at the end of the step, [nodes + 1][dofs] */
     double *residual;    /* D_i L_d, [nodes + 1][r][dofs] */
     double *free;        /* 1, or 0 where held, [nodes + 1][dofs] */
@@ -173,11 +174,12 @@ struct explicit_run {
     i64 blocks;
     i64 rows;
     i64 kept;            /* rows of a frame */
-    i64 *slot;           /* (block, lane, first row of its values, of its momenta) of every node, [nodes][4] */
+    i64 *slot;           /* (block, lane, first row of its values, of its momenta, of v* or -1) of a node, [nodes][5] */
     i64 *spans;          /* (first block, last block, whether constraints know it), [span_count][3] */
     i64 span_count;
     double *saved;       /* room, as data */
     double *given;       /* momenta after the kick, [nodes + 1][dofs] */
+    double *before;      /* those before, [nodes + 1][dofs] */
     double *table;       /* loads at the times, [steps + 1][columns] */
     i64 columns;
     i64 *entries;        /* (block, lane, row, row of rotation, form, column), [entry_count][6] */
@@ -215,13 +217,16 @@ void trivialize(struct problem *p, const double *gradient, const double *point, 
 void add_terms(struct problem *p, double begin, double h, i64 tangent);
 void mass_matrices(struct problem *p, double time, double *mass);
 void add_loads(struct problem *p, i64 number, double h);
+void add_ties(struct problem *p, i64 rates, const double *velocity, double part, double *out);
 
 /* couplings.c */
 void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent);
 double violations(struct problem *p, i64 number, i64 i, double time);
 i64 saddle_point(struct problem *p, i64 number, i64 i, double time);
 void push_multipliers(struct problem *p, double h, double *out);
-i64 project(struct problem *p, i64 number, i64 i, i64 save, double time, double h);
+void velocities(struct problem *p, i64 number, i64 i, double h, const double *momenta, double *out);
+void multiply_mass(struct problem *p, const double *v, double *out);
+i64 project(struct problem *p, i64 number, i64 i, double time, double h);
 i64 overstrained(struct problem *p, double time, double h);
 
 #endif

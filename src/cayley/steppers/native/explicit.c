@@ -51,25 +51,12 @@ static void load(struct explicit_run *e, i64 number, double part)
     }
 }
 
-/* Add part times all forces to the momenta; known: whether velocities are those of a saved frame. */
-static void kick(struct explicit_run *e, i64 number, double part, i64 known)
-{
-    if (e->predict) {
-        load(e, number, 1.0);
-        double *u = times(e, 2, e->predict_setup, known ? 0.0 : e->problem->h, number, number + 1);
-        ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
-    }
-    double *u = times(e, 0, e->kick_setup, part, number, number);
-    ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
-    if (!e->predict) load(e, number, part);
-}
-
 /* Copy values (to control i) and, if wanted, momenta out of the blocks. */
 static void collect(struct explicit_run *e, i64 i, double *momenta)
 {
     struct problem *p = e->problem;
     for (i64 n = 0; n < p->nodes; n++) {
-        const i64 *slot = e->slot + 4 * n;
+        const i64 *slot = e->slot + 5 * n;
         const double *value = row_of(e, slot[0], slot[2]) + slot[1], *mu = row_of(e, slot[0], slot[3]) + slot[1];
         double *out = p->control + (i * (p->nodes + 1) + n) * p->rows;
         for (i64 k = 0; k < p->rows; k++) out[k] = value[k * LANES];
@@ -81,10 +68,65 @@ static void put_momenta(struct explicit_run *e, const double *momenta)
 {
     struct problem *p = e->problem;
     for (i64 n = 0; n < p->nodes; n++) {
-        const i64 *slot = e->slot + 4 * n;
+        const i64 *slot = e->slot + 5 * n;
         double *mu = row_of(e, slot[0], slot[3]) + slot[1];
         for (i64 d = 0; d < p->dofs; d++) mu[d * LANES] = momenta[n * p->dofs + d];
     }
+}
+
+/* Let the predicted velocities of constrained nodes satisfy the constraints: M v + G' n = M v*, G v = rate. */
+static void constrain_predicted(struct explicit_run *e, i64 number, i64 i)
+{
+    struct problem *p = e->problem;
+    for (i64 n = 0; n < p->nodes; n++) {
+        const i64 *slot = e->slot + 5 * n;
+        const double *v = row_of(e, slot[0], slot[4]) + slot[1];
+        for (i64 d = 0; d < p->dofs; d++) p->velocity[n * p->dofs + d] = v[d * LANES];
+    }
+    multiply_mass(p, p->velocity, p->momenta);
+    velocities(p, number, i, p->h, p->momenta, p->velocity);
+    for (i64 n = 0; n < p->nodes; n++) {
+        const i64 *slot = e->slot + 5 * n;
+        double *v = row_of(e, slot[0], slot[4]) + slot[1];
+        for (i64 d = 0; d < p->dofs; d++) v[d * LANES] = p->velocity[n * p->dofs + d];
+    }
+}
+
+/* Add part times all forces to the momenta; those after the kick are in ``given``, too.
+ *
+ * known: whether velocities are those of a saved frame; the drives are those of control i of step ``number_of``. Forces of
+ * dampers take the velocities in the middle of the kick, predicted twice so that order 2 is kept (discrete/forced.py). */
+static void kick(struct explicit_run *e, i64 number, double part, i64 known, i64 number_of, i64 i)
+{
+    struct problem *p = e->problem;
+    i64 size = (p->nodes + 1) * p->dofs;
+    collect(e, 0, e->before);
+    if (e->predict) {
+        load(e, number, 1.0);
+        double *u = times(e, 2, e->predict_setup, known ? 0.0 : p->h, number, number + 1);
+        ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
+        constrain_predicted(e, number_of, i);
+    }
+    double *u = times(e, 0, e->kick_setup, part, number, number);
+    ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
+    if (!e->predict) load(e, number, part);
+    collect(e, 0, e->given);
+    if (p->terms == p->inertia) return;
+    add_ties(p, 0, 0, part, e->given);
+    i64 damped = 0;
+    for (i64 n = p->inertia; n < p->terms; n++) damped |= p->term[n].rates;
+    if (damped) {
+        double half = known ? 0.0 : 0.5 * p->h / part;
+        for (i64 k = 0; k < size; k++) p->momenta[k] = e->before[k] + half * (e->given[k] - e->before[k]);
+        velocities(p, number_of, i, p->h, p->momenta, p->velocity);
+        if (!known) {
+            add_ties(p, 1, p->velocity, 0.5 * p->h, p->momenta);
+            velocities(p, number_of, i, p->h, p->momenta, p->velocity);
+        }
+        add_ties(p, 1, p->velocity, part, e->given);
+        for (i64 n = p->inertia; n < p->terms; n++) p->energy[2] += p->term[n].work[1];
+    }
+    put_momenta(e, e->given);
 }
 
 /* Copy the blocks that constraints know. */
@@ -150,14 +192,14 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
 {
     struct problem *p = e->problem;
     double part = j ? p->h : 0.5 * p->h, time = p->origin + (p->first + (double)number) * p->h, last = INFINITY;
-    kick(e, number, part, j == 0);
-    collect(e, 0, e->given);
     p->counts[2] = number;
+    collect(e, 0, 0);
     i64 failed = saddle_point(p, number, 0, time);
     if (failed) {
         p->counts[3] = failed - 1;
         return REDUNDANT;
     }
+    kick(e, number, part, j == 0, number, 0);
     guess(p, j > 1);
     double floor = rounding(p);
     copy_known(e, e->saved, e->data);
@@ -210,17 +252,21 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
             if (outcome) return outcome;
         }
         i64 number = (*reached + 1) * p->stride;
-        kick(e, number, 0.5 * p->h, 0);
-        hold_momenta(e);
-        collect(e, 0, p->momenta);
+        collect(e, 0, 0);
         double time = p->origin + (p->first + (double)number) * p->h;
-        i64 failed = project(p, number - 1, 1, *reached, time, p->h);
+        i64 failed = saddle_point(p, number - 1, 1, time);
         if (failed) {
             p->counts[3] = failed - 1;
             return REDUNDANT;
         }
+        kick(e, number, 0.5 * p->h, 0, number - 1, 1);
+        hold_momenta(e);
+        collect(e, 0, p->momenta);
+        velocities(p, number - 1, 1, p->h, p->momenta, p->velocity);
+        multiply_mass(p, p->velocity, p->momenta);
         put_momenta(e, p->momenta);
         hold_momenta(e);
+        memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         double check = 0.0;
         for (i64 block = 0; block < e->blocks; block++) {
             const double *from = row_of(e, block + 1, 0);

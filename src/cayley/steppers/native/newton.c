@@ -252,7 +252,7 @@ i64 advance(struct problem *p, i64 *reached)
         i64 number = (*reached + 1) * p->stride;
         if (p->couplings) {
             double time = p->origin + p->h * (p->first + (double)number);
-            i64 block = project(p, number - 1, p->stages, *reached, time, p->h);
+            i64 block = project(p, number - 1, p->stages, time, p->h);
             if (block) {
                 p->counts[3] = block - 1;
                 return REDUNDANT;

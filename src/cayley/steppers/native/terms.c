@@ -193,6 +193,24 @@ static void book(struct problem *p, struct term *t, i64 block, i64 k, double h, 
     }
 }
 
+/* Rate of a node in the embedding from a left-trivialized velocity, in one lane. */
+static void embed(struct problem *p, const double *v, const vec *point, i64 lane, vec *out)
+{
+    for (i64 f = 0; f < p->fields; f++) {
+        const i64 *field = p->field + 4 * f, row = field[1];
+        const double *w = v + field[2];
+        if (!field[0]) {
+            for (i64 k = 0; k < field[3]; k++) out[row + k][lane] = w[k];
+            continue;
+        }
+        double a = point[row][lane], x = point[row + 1][lane], y = point[row + 2][lane], z = point[row + 3][lane];
+        out[row][lane] = -0.5 * (x * w[0] + y * w[1] + z * w[2]);
+        out[row + 1][lane] = 0.5 * (a * w[0] + y * w[2] - z * w[1]);
+        out[row + 2][lane] = 0.5 * (a * w[1] + z * w[0] - x * w[2]);
+        out[row + 3][lane] = 0.5 * (a * w[2] + x * w[1] - y * w[0]);
+    }
+}
+
 static void add_term(struct problem *p, struct term *t, double begin, double h, i64 tangent)
 {
     i64 rows = ROWS, width = t->width, controls = p->stages + 1;
@@ -248,6 +266,45 @@ void mass_matrices(struct problem *p, double time, double *mass)
                 double *m = mass + t->nodes[block * LANES + lane] * dofs * stride;
                 for (i64 d = 0; d < dofs; d++)
                     for (i64 e = 0; e < dofs; e++) m[d * stride + e] += out[d * dofs + e][lane];
+            }
+        }
+    }
+}
+
+/* Add part times the forces of springs (or, with rates, of dampers) at the first controls to out, [nodes + 1][dofs].
+ *
+ * Velocities are left-trivialized, [nodes + 1][dofs]; dp/dt = 1/2 p w. */
+void add_ties(struct problem *p, i64 rates, const double *velocity, double part, double *out)
+{
+    i64 rows = ROWS, dofs = DOFS;
+    vec *q = (vec *)p->cells, *slope = q + 2 * rows, embedded[rows], moved[dofs];
+    for (i64 n = p->inertia; n < p->terms; n++) {
+        struct term *t = &p->term[n];
+        if (t->rates != rates) continue;
+        t->work[0] = t->work[1] = 0.0;
+        t->light_uniforms[0] = 0.0;
+        ((prepare)t->light_setup)(t->light_uniforms);
+        for (i64 block = 0; block * LANES < t->cells; block++) {
+            const i64 *nodes = t->nodes + block * LANES * t->width;
+            gather(p, nodes, t->width, 1, q);
+            vec *data = (vec *)t->data;
+            memcpy(data, q, (size_t)(2 * rows) * sizeof(vec));
+            if (rates) {
+                for (i64 a = 0; a < 2; a++)
+                    for (i64 lane = 0; lane < LANES; lane++)
+                        embed(p, velocity + nodes[lane * 2 + a] * dofs, q + a * rows, lane, slope + a * rows);
+                memcpy(data + 2 * rows, slope, (size_t)(2 * rows) * sizeof(vec));
+            }
+            memcpy(data + t->constant_row, t->constant + block * t->constants * LANES,
+                   (size_t)(t->constants * LANES) * sizeof(double));
+            evaluate(t, t->data, t->light_uniforms, 0);
+            if (t->force) book(p, t, block, 0, part / p->weights[0], t->data, t->light_rows);
+            for (i64 a = 0; a < 2; a++) {
+                for (i64 row = 0; row < rows; row++)
+                    embedded[row] = data[t->gradient + a * rows + row] * ((const vec *)t->weight)[block];
+                trivialize_lanes(p, embedded, q + a * rows, moved);
+                for (i64 lane = 0; lane < LANES && block * LANES + lane < t->cells; lane++)
+                    for (i64 d = 0; d < dofs; d++) out[nodes[lane * 2 + a] * dofs + d] += part * moved[d][lane];
             }
         }
     }
