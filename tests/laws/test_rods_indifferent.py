@@ -8,7 +8,7 @@ import cayley as cy
 from cayley.lie import quaternion
 from laws.test_frame_indifference import SECTION, shifts, turns
 
-LAW = settings(deadline=None, max_examples=5, derandomize=True)
+LAW = settings(deadline=None, max_examples=3, derandomize=True)
 OFF = cy.Section.given(
     stiffness=SECTION.stiffness,
     mass_per_length=SECTION.mass_per_length,

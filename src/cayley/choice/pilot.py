@@ -61,13 +61,13 @@ def stepper_of(system: System) -> ModuleType:
     """The module that steps a system.
 
     Raises:
-        ValueError: it has forces off the node, which not all of them apply.
+        ValueError: it has springs or dampers and its rule is explicit.
     """
-    levered = system.loads is not None and np.any(system.loads.lever != 0.0)
-    if levered and (system.equations.rule.implicit or is_constrained(system) or system.springs):
+    if system.springs and not system.equations.rule.implicit:
+        names = ", ".join(spring.name for spring in system.springs)
         raise ValueError(
-            f"the rule {system.equations.rule} cannot apply forces off the node yet, such as on the port of a body; "
-            "use an explicit rule without constraints and joints, or a force and a moment on body.centre"
+            f"the explicit rule {system.equations.rule} does not know springs and dampers ({names}); give an implicit "
+            "one, such as rule=cy.rules.midpoint, or an accuracy"
         )
     if system.equations.rule.implicit:
         if system.equations.density.force is not None:
@@ -76,7 +76,7 @@ def stepper_of(system: System) -> ModuleType:
                 f"use verlet, screw, nodal or spectral(space=...)"
             )
         return implicit_run
-    if is_constrained(system) or system.springs:
+    if is_constrained(system):
         return coupled_run
     return decoupled_run
 

@@ -8,7 +8,6 @@ import numpy as np
 from cayley.density.expression import symbols, to_sx
 from cayley.discrete.embedded import embedded_point
 from cayley.discrete.layout import Layout
-from cayley.discrete.places import name_at
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rules import lagrange, lobatto
 from cayley.results.frames import Frames
@@ -86,7 +85,8 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
     inputs = ca.vertcat(*[to_sx(e) for e in (z, slope, here, t)], density.parameters)
     outputs = [density.value("strain", point), ca.densify(stress), ca.densify(slopes)]
     function = ca.Function("strain", [inputs], outputs)
-    known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
+    places = range(len(system.equations.rule.strain.at))
+    constants = np.array([[system.values_of(name, g) for name in density.names] for g in places])
 
     def evaluate(
         values: np.ndarray, slopes: np.ndarray, node: int, at: np.ndarray, times: np.ndarray
@@ -94,10 +94,7 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
         frames, points, _ = values.shape
         rest = np.zeros((frames, points, 2 + len(density.names)))
         rest[:, :, 0] = system.named["here"][node]
-        for k, name in enumerate(density.names):
-            plain = system.named[name][node] if name in system.named else known[name]
-            own = [system.named.get(name_at(name, g)) for g in range(points)]
-            rest[:, :, 2 + k] = [plain if values is None else values[node] for values in own]
+        rest[:, :, 2:] = constants[:, :, node]
         rest[:, :, 0] += at
         rest[:, :, 1] = times[:, None]
         columns = np.concatenate([values, slopes, rest], axis=2).reshape(frames * points, -1)

@@ -86,7 +86,7 @@ def simulate(
         return run(rule or rules.verlet, dt)
     _check_accuracy(accuracy, dt)
     task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return _run_chosen(task, _candidates(rule, begin), run)
+    return _run_chosen(task, _candidates(rule), run)
 
 
 def advise(
@@ -107,9 +107,8 @@ def advise(
         ValueError: if an argument does not fit or no rule reaches the accuracy.
     """
     _check_accuracy(accuracy, None)
-    begin = start_of_model(model, rotation, initial)
-    task = _task(begin, t_end, save_every, accuracy, rule or CANDIDATES[0], model)
-    return choose(task, _candidates(rule, begin), thorough=True)
+    task = _task(start_of_model(model, rotation, initial), t_end, save_every, accuracy, rule or CANDIDATES[0], model)
+    return choose(task, _candidates(rule), thorough=True)
 
 
 def integrate(
@@ -168,11 +167,8 @@ def _check_accuracy(accuracy: Any, dt: float | None) -> None:
         raise ValueError(f"accuracy is {accuracy!r}; give a number between 1e-12 and 0.5, such as 1e-3")
 
 
-def _candidates(rule: Rule | None, begin: Callable[[Rule], tuple[System, State]]) -> tuple[Rule, ...]:
-    if rule is not None:
-        return (rule,)
-    forced = begin(CANDIDATES[0])[0].equations.density.force is not None
-    return tuple(r for r in CANDIDATES if not (forced and r.implicit))  # implicit rules take no such forces yet
+def _candidates(rule: Rule | None) -> tuple[Rule, ...]:
+    return CANDIDATES if rule is None else (rule,)
 
 
 def _task(

@@ -30,7 +30,7 @@ class Explicit:
         slot: block, lane, first row of values, of momenta and of predicted velocities (−1 without), shape (n, 5).
         spans: first block, last block, and whether constraints know a node there, shape (m, 3).
         entries: loads: block, lane, row, row of the rotation, form and column, shape (k, 6).
-        scales: their factors, shape (k,).
+        scales: their factors and levers, shape (k, 4).
         fixed: block, row, lane of momenta that stay zero, shape (f, 3).
     """
 
@@ -60,13 +60,13 @@ def make_plan(system: System) -> Explicit:
     uniforms[:, : len(system.uniforms)] = system.uniforms
     calls = np.zeros((3, 2), dtype=np.int64)
     calls[: len(found)] = [(kernel.run, kernel.setup) for kernel in found]
-    entries, scales = np.zeros((0, 6), dtype=np.int64), np.zeros(0)
+    entries, scales = np.zeros((0, 6), dtype=np.int64), np.zeros((0, 4))
     if system.loads is not None:
         loads = system.loads
         target = rows.forced["pushed"].start + position * layout.dofs if rows.forced else momenta
         at, turn = loads.node, position[loads.node] * layout.rows + loads.turn
         columns = [block[at], lane[at], target[at] + loads.dof, turn, loads.form, loads.column]
-        entries, scales = np.column_stack(columns).astype(np.int64), np.ascontiguousarray(loads.scale)
+        entries, scales = np.column_stack(columns).astype(np.int64), loads.factors
     return Explicit(
         plan=plan,
         calls=calls,

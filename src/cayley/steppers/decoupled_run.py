@@ -135,7 +135,7 @@ def make_plan(system: System) -> Plan:
         columns = [block[node], lane[node], target[node] + loads.dof, turn, form, loads.column, tile]
         order = np.argsort(tile, kind="stable")
         entries = np.column_stack(columns).astype(np.int64)[order]
-        scales = np.column_stack([loads.scale, loads.lever])[order]
+        scales = loads.factors[order]
     places = np.searchsorted(entries[:, 6], np.arange(len(spans) + 1))
     names = ["step", "step_held" if len(held) else "step", "kick"]
     if rows.forced:

@@ -150,17 +150,18 @@ def stage_table(system: System, state: State, stages: np.ndarray, steps: int) ->
 def load_entries(system: System) -> tuple[np.ndarray, np.ndarray]:
     """Loaded nodes.
 
-    Returns: (node, row, row of rotation, form, column, is moment, dof) per entry, shape (k, 7), and their factors (k,).
+    Returns: (node, row, row of rotation, form, column, is moment, dof) per entry, shape (k, 7), and their factors and
+    levers, shape (k, 4).
     """
     loads, layout = system.loads, system.layout
     if loads is None:
-        return np.zeros((0, 7), dtype=np.int64), np.zeros(0)
+        return np.zeros((0, 7), dtype=np.int64), np.zeros((0, 4))
     row_of_dof = {layout.dofs_of(n).start: layout.rows_of(n).start for n in layout.fields}
     moments = {layout.dofs_of(n).start for n in layout.rotations}
     row = [row_of_dof[int(d)] for d in loads.dof]
     moment = [int(int(d) in moments) for d in loads.dof]
     columns = [loads.node, np.array(row), loads.turn, loads.form, loads.column, np.array(moment), loads.dof]
-    return np.column_stack(columns).astype(np.int64), np.ascontiguousarray(loads.scale)
+    return np.column_stack(columns).astype(np.int64), loads.factors
 
 
 def _run_turned(

@@ -59,7 +59,8 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
     entries |= _within(constants, entries, rule)
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
-    varying = [name for name, values in entries.items() if name != plain(name) or np.any(values != values[0])]
+    within = {plain(name) for name in placed(entries)}
+    varying = [n for n, values in entries.items() if plain(n) in within or np.any(values != values[0])]
     _refuse_within(rule, varying)
     equations = derive(density, rule, rotation=rotation, varying=varying, account=account)
     named |= {name: entries[name] for name in varying}

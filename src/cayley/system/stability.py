@@ -130,10 +130,10 @@ def _inputs(system: System, values: np.ndarray) -> np.ndarray:
     named = system.named
     zeros, ones = np.zeros(system.size), np.ones(system.size)
     here = named.get("here", zeros)
-    known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
-    inverse = named.get("inverse", known.get("inverse", 1.0) * ones)
+    along = system.equations.density.lagrangian.interval
+    inverse = ones if along is None else system.values_of("inverse")
     columns = [inverse, here, np.roll(here, -cell), zeros, named["weight"], lengths]
-    constants = [named.get(name, known.get(name, 0.0) * ones) for name in system.equations.density.names]
+    constants = [system.values_of(name) for name in system.equations.density.names]
     constants += [named[name] for name in placed(system.equations.varying)]
     return np.column_stack([values, others, *columns, *constants])
 

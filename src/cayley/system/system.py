@@ -10,6 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import name_at
 from cayley.system.couplings import Coupling, Elastic
 
 
@@ -77,6 +78,11 @@ class LoadEntries:
     scale: np.ndarray
     lever: np.ndarray
 
+    @property
+    def factors(self) -> np.ndarray:
+        """Factor and lever of each entry, as steppers read them, shape (k, 4)."""
+        return np.ascontiguousarray(np.column_stack([self.scale, self.lever]))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
@@ -139,6 +145,20 @@ class System:
         """Coordinates of the nodes along the interval [m], shape (nodes,)."""
         return self.named["here"]
 
+    def values_of(self, name: str, place: int = 0) -> np.ndarray:
+        """An input of the programs at every node, such as "c.mass" or "inverse", uniform or not.
+
+        Args:
+            name: its name.
+            place: of the element that begins at the node: its strain point, or node of its cell (see discrete.places).
+
+        Returns: shape (nodes,); where no element begins, values without meaning.
+        """
+        for key in (name_at(name, place), name):
+            if key in self.named:
+                return self.named[key]
+        return np.full(self.size, self.uniforms[self.equations.uniforms.index(name)])
+
     def stable_dt(self, state: State | None = None, *, enough: float = np.inf) -> float:
         """Largest stable time step of an explicit rule [s], for the system linearized about a state.
 
@@ -179,8 +199,9 @@ def pack(system: System, state: State) -> np.ndarray:
     data = aligned((-(-system.cells // lanes) + 2, rows.count, lanes))
     data[:] = 0.0
     data[:, rows.values] = np.tile(state.values[-1], rows.cell)[None, :, None]  # padding: a node at rest, no element
-    for name, row in rows.named.items():
-        data[:, row] = 0.0 if name == "length" else 1.0
+    for name, row in rows.named.items():  # constants of a node that there is: arbitrary ones may make no inertia
+        constant = name.startswith("c.")
+        data[:, row] = 0.0 if name == "length" else system.named[name][-1] if constant else 1.0
     data[:, rows.held] = 1.0
     _scatter_nodes(system, data, rows.values, state.values, state.values[-1])
     _scatter_nodes(system, data, rows.momenta, state.momenta, np.zeros(layout.dofs))

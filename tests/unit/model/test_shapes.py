@@ -116,7 +116,7 @@ def test_triangle_and_strip_torsion(fem):
     triangle = Section.polygon([(0, 0), (1, 0), (0.5, math.sqrt(3) / 2)], MATERIAL)
     assert torsion(triangle) == pytest.approx(math.sqrt(3) / 80, rel=1e-5)
     strip = Section.rectangle(4.0, 1.0, MATERIAL, torsion="saint-venant")
-    assert torsion(Section.polygon(SQUARE * [4, 1], MATERIAL)) == pytest.approx(torsion(strip), rel=2e-5)
+    assert torsion(Section.polygon(SQUARE * [4, 1], MATERIAL)) == pytest.approx(torsion(strip), rel=5e-5)
 
 
 def test_tube_torsion_of_a_polygon_with_a_hole(fem):
@@ -224,7 +224,8 @@ def test_shear_center_shifts_shear_and_twist_only():
         (
             lambda: Section.polygon(SQUARE, MATERIAL, shear_correction="cowper", torsion=1.0),
             ValueError,
-            "Section.polygon: shear_correction = 'cowper' must be \"none\", a positive, finite number [-], or two of them",
+            "Section.polygon: shear_correction = 'cowper' must be \"none\", a positive, finite number [-], or two of "
+            "them",
         ),
         (
             lambda: Section.i_beam(width=0.1, height=0.2, flange=0.1, web=0.01, material=MATERIAL),

@@ -142,27 +142,37 @@ def test_goes_on_from_a_store(tmp_path):
 
 @pytest.mark.parametrize("rotation", ["quaternion", "matrix"])
 @pytest.mark.parametrize("frame", ["space", "body"])
-def test_force_off_the_center(frame, rotation):
-    """A force on a port turns the body by o × ΛᵀF: as the force and that moment, given by the motion it made."""
+@pytest.mark.parametrize("rule", [rules.verlet, rules.midpoint, rules.galerkin(time=2)], ids=str)
+def test_force_off_the_center(rule, frame, rotation):
+    """A force on a port turns the body by o × ΛᵀF: the angular momentum grows by P × F."""
     body, pull = bob(), np.array([0.3, -0.2, 0.5])
     eye = body.port("eye")
-    options = {"t_end": 0.2, "dt": 1e-4, "save_every": 1e-2, "rotation": rotation}
+    options = {"t_end": 0.2, "dt": 1e-3, "save_every": 1e-2, "rotation": rotation, "rule": rule}
     run = cy.simulate(cy.Model(body, loads=[loads.force(eye, pull, frame=frame)]), **options)
     data = run[body]
     turned = quaternion.rotate(data.rotation.values, np.array(eye.shift))
     force = quaternion.rotate(data.rotation.values, pull) if frame == "body" else np.tile(pull, (len(run.time), 1))
-    about = data.position.values + turned
     spin = np.gradient(run.angular_momentum.values, run.time, axis=0, edge_order=2)
-    assert_allclose(spin, np.cross(about, force), atol=2e-4)
+    assert_allclose(spin, np.cross(data.position.values + turned, force), atol=2e-4)
     assert np.linalg.norm(data.angular_velocity[-1]) > 0.5
     if frame == "body":
-        both = [
-            loads.force(body.centre, pull, frame="body"),
-            loads.moment(body.centre, np.cross(eye.shift, pull), frame="body"),
-        ]
+        moment = np.cross(eye.shift, pull)
+        both = [loads.force(body.centre, pull, frame=frame), loads.moment(body.centre, moment, frame=frame)]
         again = cy.simulate(cy.Model(body, loads=both), **options)
         assert_allclose(again[body].rotation, data.rotation, atol=1e-13)
         assert_allclose(again[body].position, data.position, atol=1e-13)
+
+
+def test_force_off_the_center_of_a_hinged_body():
+    """Beside joints, too: a door pushed at its edge, J_hinge φ'' = arm F, with a force that turns with it."""
+    body = bob()
+    door = supports.turn(body.centre.offset((0, -0.5, 0)), (0, 0, 1))
+    push = loads.force(body.centre.offset((0, 0.5, 0)), (0.2, 0, 0), frame="body")
+    about = INERTIA[2, 2] + 2.0 * 0.25
+    for rule in (rules.verlet, rules.midpoint):
+        model = cy.Model(body, supports=[door], loads=[push])
+        run = cy.simulate(model, t_end=1.0, dt=1e-3, rule=rule)
+        assert_allclose(run[body].angular_velocity[:, 2], -0.2 * run.time / about, atol=1e-6)
 
 
 def test_constant_force_off_the_center_is_conservative():

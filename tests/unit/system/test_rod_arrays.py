@@ -94,8 +94,12 @@ def test_a_screw_measures_a_helix_as_it_is():
 
 
 def test_round_off_is_no_variation():
-    """A circle in equal elements has one set of constants: nothing is read by node."""
-    rod = cy.Rod.along(THIN, lambda u: (np.cos(u), np.sin(u), 0.0), span=(0.0, 3.0), elements=6)
+    """A circle in equal elements, its tangent given, has one set of constants: nothing is read by node."""
+
+    def circle(u):
+        return np.cos(u), np.sin(u), 0.0
+
+    rod = cy.Rod.along(THIN, circle, span=(0.0, 3.0), elements=6, tangent=lambda u: (-np.sin(u), np.cos(u), 0.0))
     system = discretize(cy.Model(rod), rules.verlet)
     assert not system.equations.varying
     used = [name for name in system.equations.density.names if name.startswith("c.reference")]
@@ -114,7 +118,14 @@ def test_rods_beside_each_other_keep_their_own():
 
 def test_rules_that_cannot_follow_say_so():
     rod = cy.Rod.along(THIN, helix, span=(0.0, 3.0), elements=4)
-    with pytest.raises(
-        ValueError, match=r"the rule nodal_midpoint does not read c\.reference\[0\] at every strain point"
-    ):
+    with pytest.raises(ValueError, match=r"nodal_midpoint does not read c\.reference\[0\] at every strain point"):
         discretize(cy.Model(rod), rules.nodal_midpoint)
+
+
+def test_values_at_places_of_an_element():
+    rod = cy.Rod.along(THIN, helix, span=(0.0, 3.0), elements=4)
+    system = discretize(cy.Model(rod), rules.by_name("spectral(space=3)"))
+    mass, turn = system.values_of("c.mass", 2), system.values_of("c.reference[3]", 1)
+    np.testing.assert_array_equal(mass, np.full(13, THIN.mass_per_length))
+    np.testing.assert_array_equal(turn, system.named["c.reference[3]@1"])
+    np.testing.assert_array_equal(system.values_of("c.reference[3]"), system.named["c.reference[3]"])

@@ -143,7 +143,7 @@ struct problem {
     double *table;       /* loads at the stages, [steps][stages][columns] */
     i64 columns;
     i64 *entries;        /* (node, row, row of rotation, form, column, is moment, dof), [entry_count][7] */
-    double *scales;
+    double *scales;      /* factor and lever of each, [entry_count][4] */
     i64 entry_count;
     double origin;
     double h;
@@ -183,7 +183,7 @@ struct explicit_run {
     double *table;       /* loads at the times, [steps + 1][columns] */
     i64 columns;
     i64 *entries;        /* (block, lane, row, row of rotation, form, column), [entry_count][6] */
-    double *scales;
+    double *scales;      /* factor and lever of each, [entry_count][4] */
     i64 entry_count;
     i64 *fixed;          /* (block, row, lane) of momenta that stay zero, [fixed_count][3] */
     i64 fixed_count;

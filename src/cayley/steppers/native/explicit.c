@@ -39,12 +39,17 @@ static void load(struct explicit_run *e, i64 number, double part)
     for (i64 n = 0; n < e->entry_count; n++) {
         const i64 *entry = e->entries + 6 * n, lane = entry[1], form = entry[4];
         const double *given = e->table + number * e->columns + entry[5];
-        double s = part * e->scales[n], u = s * given[0], v = s * given[1], w = s * given[2];
+        const double *scale = e->scales + 4 * n, *lever = scale + 1;
+        double s = part * scale[0], u = s * given[0], v = s * given[1], w = s * given[2];
         if (form) {
             const double *p = row_of(e, entry[0], entry[3]) + lane;
             double r = 2.0 * p[0] * (form == 2 ? 1.0 : -1.0), x = p[LANES], y = p[2 * LANES], z = p[3 * LANES];
             double a = y * w - z * v, b = z * u - x * w, c = x * v - y * u;
             u += r * a + 2.0 * (y * c - z * b), v += r * b + 2.0 * (z * a - x * c), w += r * c + 2.0 * (x * b - y * a);
+        }
+        if (lever[0] != 0.0 || lever[1] != 0.0 || lever[2] != 0.0) { /* the moment of a force off the node */
+            double a = lever[1] * w - lever[2] * v, b = lever[2] * u - lever[0] * w;
+            w = lever[0] * v - lever[1] * u, u = a, v = b;
         }
         double *out = row_of(e, entry[0], entry[2]) + lane;
         out[0] += u, out[LANES] += v, out[2 * LANES] += w;

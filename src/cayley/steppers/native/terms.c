@@ -320,7 +320,8 @@ void add_loads(struct problem *p, i64 number, double h)
         const i64 *entry = p->entries + 7 * e, node = entry[0], row = entry[1], turn = entry[2], form = entry[3];
         for (i64 k = 0; k < p->stages; k++) {
             const double *given = p->table + (number * p->stages + k) * p->columns + entry[4];
-            double s = h * p->weights[k] * p->scales[e], z[rows], dz[rows], push[rows], out[dofs];
+            const double *lever = p->scales + 4 * e + 1;
+            double s = h * p->weights[k] * p->scales[4 * e], z[rows], dz[rows], push[rows], out[dofs];
             double x = s * given[0], y = s * given[1], v = s * given[2];
             if (x == 0.0 && y == 0.0 && v == 0.0) continue;
             for (i64 c = 0; c < rows; c++) {
@@ -338,6 +339,10 @@ void add_loads(struct problem *p, i64 number, double h)
                 double a = j * v - l * y, b = l * x - i * v, c = i * y - j * x;
                 x += 2.0 * (w * a + j * c - l * b) / size, y += 2.0 * (w * b + l * a - i * c) / size;
                 v += 2.0 * (w * c + i * b - j * a) / size;
+            }
+            if (lever[0] != 0.0 || lever[1] != 0.0 || lever[2] != 0.0) { /* the moment of a force off the node */
+                double a = lever[1] * v - lever[2] * y, b = lever[2] * x - lever[0] * v;
+                v = lever[0] * y - lever[1] * x, x = a, y = b;
             }
             if (entry[5]) {
                 double w = z[row], i = z[row + 1], j = z[row + 2], l = z[row + 3];
