@@ -51,7 +51,9 @@ def _compile(folder: Path, lanes: int, level: str, pose: bool) -> None:
     defined = [f"-DLANES={lanes}", *(["-DPOSE"] if pose else [])]
     library = folder / f"engine_{lanes}{'_pose' * pose}.so"
     sources = [str(path) for path in sorted(folder.glob("*.c"))]
-    subprocess.run([*compiler, *FLAGS, *target, *defined, "-o", str(library), *sources, "-lm"], check=True)
+    made = library.with_suffix(".new")  # replaced as a whole: a process that runs keeps the old one
+    subprocess.run([*compiler, *FLAGS, *target, *defined, "-o", str(made), *sources, "-lm"], check=True)
+    os.replace(made, library)
 
 
 def _system_compiler() -> list[str] | None:

@@ -58,7 +58,7 @@ def run(
 
 
 def make_plan(system: System) -> Plan:
-    """Cells and blocks of a system, its kernels compiled: a node between elements is a block, those inside one another."""
+    """Cells and blocks, kernels compiled: a node between elements is a block, those inside one are one together."""
     degree, groups, first = system.equations.rule.degree, [], 0
     for count in system.chains:
         element, inner = np.divmod(np.arange(count), degree)

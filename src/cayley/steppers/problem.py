@@ -1,4 +1,4 @@
-"""The problem that the compiled steppers work on: nodes, terms, constraints, and the blocks of its matrix, as arrays."""
+"""The problem that the compiled steppers work on: nodes, terms, constraints and the blocks of a matrix, as arrays."""
 
 import ctypes
 import itertools
@@ -184,9 +184,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
     control[:, nodes] = ground_values(plan.system)
     memory = np.zeros((stages, *values))
     memory[:, nodes] = control[0, nodes]
-    couplings = [
-        coupling_arrays(plan, cells, k, steps, state, starts) for k, cells in enumerate(plan.constraints)
-    ]
+    couplings = [coupling_arrays(plan, cells, k, steps, state, starts) for k, cells in enumerate(plan.constraints)]
     terms = [term_arrays(plan, cells) for cells in plan.terms]
     padded = -(-layout.dofs // plan.lanes) * plan.lanes
     arrays: dict[str, Any] = {

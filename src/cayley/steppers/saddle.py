@@ -9,6 +9,7 @@ from cayley.discrete.rules import CORNERS
 from cayley.steppers import problem
 from cayley.steppers.cells import Cells, constraint_cells, inertia_cells
 from cayley.steppers.problem import Plan
+from cayley.system.couplings import Coupling, Elastic
 from cayley.system.system import State, System
 
 
@@ -16,7 +17,7 @@ def constrained_nodes(system: System) -> np.ndarray:
     """Nodes that constraints, springs and dampers know: all of a density with constraints, else those of ties."""
     if system.equations.density.constraints.numel():
         return np.arange(system.size)
-    ties = (*system.joints, *system.springs)
+    ties: list[Coupling | Elastic] = [*system.joints, *system.springs]
     found = {node for tie in ties for node in (tie.first, tie.second) if node >= 0}
     return np.array(sorted(found), dtype=np.int64)
 

@@ -238,16 +238,16 @@ def _within(
 
 
 def _refuse_within(rule: Rule, varying: Sequence[str]) -> None:
-    """Refuse rules whose stepper reads constants once an element where they differ within it.
+    """Refuse implicit rules of corners, which read constants once an element, where they differ within it.
 
     Raises:
         ValueError: there are such constants.
     """
     within = placed(varying)
-    if within and rule.implicit:
+    if within and rule.implicit and rule.strain.corners:
         raise ValueError(
             f"the rule {rule} does not read {plain(within[0])} at every strain point yet, and it differs within an "
-            "element here (curved or tapered rods); use midpoint, screw_midpoint, galerkin(time=...) or explicit rules"
+            "element here (curved or tapered rods); use midpoint, screw_midpoint, galerkin or explicit rules"
         )
 
 

@@ -52,9 +52,9 @@ def fill(name: str, values: Mapping[str, Any]) -> Any:
         TypeError: if a field is missing, unknown, or an array of the wrong type.
     """
     kind = structure(name)
-    fields = dict(kind._fields_)  # type: ignore[misc]
-    if set(fields) != set(values):
-        raise TypeError(f"struct {name}: {sorted(set(fields) ^ set(values))} are missing or unknown")
+    fields = {field[0] for field in kind._fields_}
+    if fields != set(values):
+        raise TypeError(f"struct {name}: {sorted(fields ^ set(values))} are missing or unknown")
     made = kind()
     for field, value in values.items():
         if isinstance(value, np.ndarray):

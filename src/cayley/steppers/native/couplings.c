@@ -7,18 +7,6 @@
 #include <string.h>
 #include "lanes.h"
 
-typedef i64 (*kernel)(double *, double *, i64, i64);
-typedef void (*prepare)(double *);
-
-static inline vec shape(const struct coupling *c, i64 block, i64 slot, i64 g, i64 a, int *zero)
-{
-    double value = (slot ? c->psi : c->phi)[g * c->width + a];
-    *zero = value == 0.0;
-    vec one = {0.0};
-    one = one + value;
-    return slot ? one * ((const vec *)c->inverse)[block] : one;
-}
-
 /* Drives at a control time of a step, [driven][drives]. */
 static const double *drives(struct problem *p, const struct coupling *c, i64 number, i64 i)
 {
@@ -37,7 +25,7 @@ static void evaluate(struct problem *p, struct coupling *c, i64 block, i64 i, co
                 vec sum = {0.0};
                 for (i64 a = 0; a < c->width; a++) {
                     int zero;
-                    vec factor = shape(c, block, s, g, a, &zero);
+                    vec factor = SHAPE(c, block, s, g, a, &zero);
                     if (!zero) sum += factor * q[(i * c->width + a) * rows + row];
                 }
                 data[s * rows + row] = sum;
@@ -64,7 +52,7 @@ static void derivative(struct problem *p, struct coupling *c, i64 block, i64 g, 
     memset(embedded, 0, (size_t)ROWS * sizeof(vec));
     for (i64 s = 0; s < c->slots; s++) {
         int zero;
-        vec factor = shape(c, block, s, g, a, &zero);
+        vec factor = SHAPE(c, block, s, g, a, &zero);
         if (zero) continue;
         const vec *slope = data + c->gradient + (k * c->slots + s) * ROWS;
         for (i64 row = 0; row < ROWS; row++) embedded[row] += factor * slope[row];
@@ -112,14 +100,14 @@ static void curvature(struct problem *p, struct coupling *c, i64 block, i64 i, d
                 vec weight = h * ((const vec *)c->weight)[block * c->gauss + g];
                 for (i64 s = 0; s < c->slots; s++) {
                     int none, zero;
-                    vec left = shape(c, block, s, g, a, &none) * weight;
+                    vec left = SHAPE(c, block, s, g, a, &none) * weight;
                     if (none) continue;
                     for (i64 k = 0; k < c->count; k++)
                         for (i64 row = 0; row < rows; row++)
                             force[row] += left * data[c->multiplier_row + k] *
                                           data[c->gradient + (k * c->slots + s) * rows + row];
                     for (i64 u = 0; u < c->slots; u++) {
-                        vec factor = left * shape(c, block, u, g, b, &zero);
+                        vec factor = left * SHAPE(c, block, u, g, b, &zero);
                         if (zero) continue;
                         for (i64 e = c->starts[s * c->slots + u]; e < c->starts[s * c->slots + u + 1]; e++)
                             over[c->entries[2 * e]] += factor * data[c->entries[2 * e + 1]];

@@ -11,6 +11,10 @@
 typedef int64_t i64;
 typedef double vec __attribute__((vector_size(8 * LANES)));
 
+/* Compiled kernels, see codegen/llvm.py: run(data, uniforms, first block, last block) and setup(uniforms). */
+typedef i64 (*kernel)(double *, double *, i64, i64);
+typedef void (*prepare)(double *);
+
 enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE };
 
 /* A part of the action (or a force density) that is evaluated at quadrature points of cells, LANES cells at a time.

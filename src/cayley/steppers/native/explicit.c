@@ -14,9 +14,6 @@
 
 static const i64 MOST_PASSES = 50;
 
-typedef i64 (*kernel)(double *, double *, i64, i64);
-typedef void (*prepare)(double *);
-
 static double *row_of(struct explicit_run *e, i64 block, i64 row)
 {
     return e->data + (block * e->rows + row) * LANES;

@@ -108,4 +108,18 @@ static inline void turned(struct problem *p, const vec *gradient, const vec *poi
     }
 }
 
+/* phi (slot 0) or psi of a point and node, in lanes; zero tells whether it vanishes. */
+static inline vec shape(const double *phi, const double *psi, const double *inverse, i64 width, i64 block, i64 slot, i64 g,
+                        i64 a, int *zero)
+{
+    double value = (slot ? psi : phi)[g * width + a];
+    *zero = value == 0.0;
+    vec one = {0.0};
+    one = one + value;
+    return slot ? one * ((const vec *)inverse)[block] : one;
+}
+
+#define SHAPE(t, block, slot, g, a, zero) \
+    shape((t)->phi, (t)->psi, (t)->inverse, (t)->width, block, slot, g, a, zero)
+
 #endif

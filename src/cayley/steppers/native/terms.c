@@ -9,22 +9,9 @@
 #include <string.h>
 #include "lanes.h"
 
-typedef i64 (*kernel)(double *, double *, i64, i64);
-typedef void (*prepare)(double *);
-
 static void evaluate(struct term *t, double *data, double *uniforms, i64 tangent)
 {
     ((kernel)(tangent ? t->run : t->light_run))(data, uniforms, 0, t->gauss);
-}
-
-/* phi or psi of a point and node, in lanes; scalar tells whether it vanishes. */
-static inline vec shape(const struct term *t, i64 block, i64 slot, i64 g, i64 a, int *zero)
-{
-    double value = (slot ? t->psi : t->phi)[g * t->width + a];
-    *zero = value == 0.0;
-    vec one = {0.0};
-    one = one + value;
-    return slot ? one * ((const vec *)t->inverse)[block] : one;
 }
 
 /* Inputs of the kernel at all points of a block of cells, at one stage. */
@@ -49,7 +36,7 @@ static void interpolate(struct problem *p, struct term *t, i64 block, i64 k, dou
                 vec sum = {0.0}, rate = {0.0};
                 for (i64 a = 0; a < width; a++) {
                     int zero;
-                    vec factor = shape(t, block, s, g, a, &zero);
+                    vec factor = SHAPE(t, block, s, g, a, &zero);
                     if (zero) continue;
                     sum += factor * value[a * rows + row];
                     if (t->rates) rate += factor * slope[a * rows + row];
@@ -75,7 +62,7 @@ static void pull(struct problem *p, struct term *t, i64 block, i64 k, double h, 
             const vec *data = (const vec *)(at + g * rows_of_block * LANES) + t->gradient;
             for (i64 s = 0; s < t->slots; s++) {
                 int zero;
-                vec factor = shape(t, block, s, g, a, &zero) * ((const vec *)t->weight)[block * t->gauss + g];
+                vec factor = SHAPE(t, block, s, g, a, &zero) * ((const vec *)t->weight)[block * t->gauss + g];
                 if (zero) continue;
                 for (i64 row = 0; row < rows; row++) value[row] += factor * data[s * rows + row];
                 if (t->rated)
@@ -103,9 +90,9 @@ static void pair(struct problem *p, const struct term *t, i64 block, const doubl
         vec weight = ((const vec *)t->weight)[block * t->gauss + g];
         for (i64 s = 0; s < t->slots; s++) {
             int none, zero;
-            vec left = shape(t, block, s, g, a, &none) * weight;
+            vec left = SHAPE(t, block, s, g, a, &none) * weight;
             for (i64 u = 0; u < t->slots && !none; u++) {
-                vec factor = left * shape(t, block, u, g, b, &zero);
+                vec factor = left * SHAPE(t, block, u, g, b, &zero);
                 if (zero) continue;
                 for (i64 part = 0; part < 4; part++) {
                     i64 out = part / 2, in = part % 2;
