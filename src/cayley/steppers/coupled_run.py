@@ -46,6 +46,8 @@ class Explicit:
 
 def make_plan(system: System) -> Explicit:
     """Kernels, rows and loads of a system."""
+    if "coupled" in system.plans:
+        return system.plans["coupled"]
     nodes = saddle.constrained_nodes(system)
     plan = saddle.make_plan(system, spring_cells(system, nodes))
     rows, layout, lanes = system.equations.rows, system.layout, system.kernels.lanes
@@ -67,7 +69,7 @@ def make_plan(system: System) -> Explicit:
         at, turn = loads.node, position[loads.node] * layout.rows + loads.turn
         columns = [block[at], lane[at], target[at] + loads.dof, turn, loads.form, loads.column]
         entries, scales = np.column_stack(columns).astype(np.int64), loads.factors
-    return Explicit(
+    made = Explicit(
         plan=plan,
         calls=calls,
         uniforms=uniforms,
@@ -77,6 +79,8 @@ def make_plan(system: System) -> Explicit:
         scales=scales,
         fixed=np.column_stack([block[node], momenta[node] + dof, lane[node]]).astype(np.int64),
     )
+    system.plans["coupled"] = made
+    return made
 
 
 def _spans(blocks: int, known: set[int]) -> np.ndarray:

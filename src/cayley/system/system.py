@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -99,6 +99,7 @@ class System:
         reference: values of a regular configuration, shape (nodes, rows).
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
+        plans: what steppers have prepared for it, by their names; another system made from this one has none.
     """
 
     equations: DiscreteEquations
@@ -111,6 +112,7 @@ class System:
     reference: np.ndarray
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
+    plans: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def layout(self) -> Layout:
