@@ -109,11 +109,14 @@ static void eliminate(i64 count, const i64 *size, struct set *near, i64 *waiting
     free(head), free(next), free(previous), free(degree), free(listed);
 }
 
-static const i64 *position_of;
-static int earlier(const void *a, const void *b)
+/* Sort blocks by their place in the order of elimination. */
+static void sort(i64 *item, i64 count, const i64 *position)
 {
-    i64 x = position_of[*(const i64 *)a], y = position_of[*(const i64 *)b];
-    return (x > y) - (x < y);
+    for (i64 i = 1; i < count; i++) {
+        i64 one = item[i], j = i;
+        for (; j > 0 && position[item[j - 1]] > position[one]; j--) item[j] = item[j - 1];
+        item[j] = one;
+    }
 }
 
 /* Plan the elimination of blocks of the given sizes. Neighbors of b: neighbor[start[b] ... start[b + 1]]; those in
@@ -145,12 +148,11 @@ i64 order_blocks(i64 count, const i64 *size, const i64 *start, const i64 *neighb
     f->column = malloc((size_t)(links + 1) * sizeof(i64));
     f->row = malloc((size_t)(links + 1) * sizeof(i64));
     f->target = malloc((size_t)(2 * pairs + 1) * sizeof(i64));
-    position_of = f->position;
     i64 link = 0, update = 0, offset = 0, unknown = 0;
     for (i64 k = 0; k < count; k++) {
         struct front *t = &f->front[k];
         i64 b = f->order[k];
-        qsort(found[k].item, (size_t)found[k].count, sizeof(i64), earlier);
+        sort(found[k].item, found[k].count, f->position);
         t->size = size[b], t->pad = padded(size[b]);
         t->first = link, t->neighbors = found[k].count, t->update = update;
         t->unknown = t->pivots = unknown;
