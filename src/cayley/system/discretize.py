@@ -52,13 +52,11 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
         rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
         for part in model.parts
     ]
-    offsets = np.cumsum([0, *(part.size for part in parts[:-1])])
     constants = _joined(parts) | _forced(forces, parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
     density = trace(lagrangian, patterns)
     entries = {name: _entry(constants, name) for name in density.names}
-    begins = [n + np.arange(0, part.size - 1, rule.degree) for n, part in zip(offsets, parts, strict=True)]
-    entries |= _within(constants, entries, rule, np.concatenate(begins))
+    entries |= _within(constants, entries, rule)
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
     within = {plain(name) for name in placed(entries)}
@@ -222,26 +220,16 @@ def _pattern(constants: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 
 
 def _within(
-    constants: Mapping[str, np.ndarray], entries: Mapping[str, np.ndarray], rule: Rule, begins: np.ndarray
+    constants: Mapping[str, np.ndarray], entries: Mapping[str, np.ndarray], rule: Rule
 ) -> dict[str, np.ndarray]:
-    """Entries that differ within an element, by their names at each place (see discrete.places).
-
-    Args:
-        constants: of all nodes, those of strain also at the other places.
-        entries: of them, by label.
-        rule: the rule.
-        begins: first nodes of all elements.
-    """
+    """Entries that differ within an element, by their names at each place (see discrete.places)."""
     found = {}
     for label, values in entries.items():
         constant, _, index = label.removeprefix("c.").partition("[")
-        for k in range(1, max(rule.cell, len(rule.strain.at))):
-            if constant in STRAIN_CONSTANTS:
-                key = name_at(constant, k)
-                own = _entry(constants, f"c.{key}[{index}") if key in constants else values
-            else:  # of node k of the cell
-                own = np.roll(values, -k) if k < rule.cell else values
-            if np.any(own[begins] != values[begins]):
+        for k in range(1, len(rule.strain.at) if constant in STRAIN_CONSTANTS else rule.cell):
+            key = name_at(constant, k)
+            own = _entry(constants, f"c.{key}[{index}") if key in constants else values
+            if np.any(own != values):
                 found[name_at(label, k)] = own
     return found
 
