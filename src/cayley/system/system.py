@@ -99,6 +99,7 @@ class System:
         reference: values of a regular configuration, shape (nodes, rows).
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
+        account: whether a run keeps account of the work of loads, whatever else it does.
     """
 
     equations: DiscreteEquations
@@ -111,6 +112,7 @@ class System:
     reference: np.ndarray
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
+    account: bool = False
 
     @property
     def layout(self) -> Layout:
@@ -124,9 +126,10 @@ class System:
 
     @property
     def accounted(self) -> bool:
-        """Whether a run keeps an account of work and loss: with forces beside the Lagrangian, or if it was asked to."""
-        asked = self.equations.account or self.equations.density.force is not None
-        return asked or any(spring.damped for spring in self.springs)
+        """Whether a run keeps an account of work and loss: on request, with forces beside the Lagrangian or drives."""
+        forced = self.equations.density.force is not None
+        driven = any(joint.drive is not None for joint in self.joints)
+        return self.account or forced or driven or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:

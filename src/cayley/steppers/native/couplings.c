@@ -282,9 +282,9 @@ void push_multipliers(struct problem *p, double h, double *out)
     }
 }
 
-/* Rates of the constraints by their drives alone, negative, in the rows of the multipliers. They are at most quadratic in
+/* Rates of the constraints by their drives alone, negative, at a control, in the rows of the multipliers. They are at most quadratic in
  * the drives, so a central difference is exact. */
-static void driven_rates(struct problem *p, i64 number, i64 i, double h)
+static void driven_rates(struct problem *p, i64 number, i64 i, i64 at, double h)
 {
     for (i64 m = 0; m < p->couplings; m++) {
         struct coupling *c = &p->coupling[m];
@@ -295,13 +295,13 @@ static void driven_rates(struct problem *p, i64 number, i64 i, double h)
         for (i64 side = -1; side <= 1; side += 2)
             for (i64 block = 0; block * LANES < c->cells; block++) {
                 for (i64 k = 0; k < c->driven * c->drives; k++) moved[k] = now[k] + (double)side * h * rate[k];
-                gather(p, c->nodes + block * LANES * c->width, c->width, 1, q);
-                evaluate(p, c, block, 0, moved, q, 0);
-                for (i64 at = 0; at < c->gauss * c->count; at++) {
-                    const vec *data = (const vec *)(c->data + at / c->count * c->light_rows * LANES);
+                gather(p, c->nodes + block * LANES * c->width, c->width, at + 1, q);
+                evaluate(p, c, block, at, moved, q, 0);
+                for (i64 k = 0; k < c->gauss * c->count; k++) {
+                    const vec *data = (const vec *)(c->data + (at * c->gauss * c->rows + k / c->count * c->light_rows) * LANES);
                     for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++)
-                        p->unknown[c->spot[block * LANES + lane] + at] -=
-                            (double)side * data[c->value + at % c->count][lane] / (2.0 * h);
+                        p->unknown[c->spot[block * LANES + lane] + k] -=
+                            (double)side * data[c->value + k % c->count][lane] / (2.0 * h);
                 }
             }
     }
@@ -316,10 +316,45 @@ void velocities(struct problem *p, i64 number, i64 i, double h, const double *mo
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++)
             p->unknown[p->place[n] + d] = p->free[n * dofs + d] * momenta[n * dofs + d];
-    driven_rates(p, number, i, h);
+    driven_rates(p, number, i, 0, h);
+    memcpy(p->taken, p->unknown, (size_t)p->unknowns * sizeof(double));
     solve(p->fronts, p->matrix, p->pivots, p->unknown);
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++) out[n * dofs + d] = p->free[n * dofs + d] * p->unknown[p->place[n] + d];
+}
+
+/* Work of the drives by the multipliers of a step: h W l G v with G v = -dg/dt. */
+double drive_work(struct problem *p, i64 number, double h)
+{
+    i64 driven = 0;
+    double work = 0.0;
+    for (i64 n = 0; n < p->couplings; n++) driven += p->coupling[n].driven;
+    for (i64 i = 0; i < p->stages && driven; i++) {
+        memset(p->unknown, 0, (size_t)p->unknowns * sizeof(double));
+        driven_rates(p, number, i, i, p->h);
+        for (i64 n = 0; n < p->couplings; n++) {
+            const struct coupling *c = &p->coupling[n];
+            i64 together = c->gauss * c->count;
+            for (i64 cell = 0; cell < c->cells && c->driven; cell++)
+                for (i64 k = 0; k < together; k++)
+                    work += h * c->weight[(cell / LANES * c->gauss + k / c->count) * LANES + cell % LANES] *
+                            c->multiplier[(cell * p->stages + i) * together + k] * p->unknown[c->spot[cell] + k];
+        }
+    }
+    return work;
+}
+
+/* Work of the drives by what velocities() took from the momenta, -G' n. */
+double projection_work(struct problem *p)
+{
+    double work = 0.0;
+    for (i64 n = 0; n < p->couplings; n++) {
+        const struct coupling *c = &p->coupling[n];
+        for (i64 cell = 0; cell < c->cells && c->driven; cell++)
+            for (i64 k = 0; k < c->gauss * c->count; k++)
+                work -= p->unknown[c->spot[cell] + k] * p->taken[c->spot[cell] + k];
+    }
+    return work;
 }
 
 /* out = M v, [nodes + 1][dofs] both. */
@@ -341,6 +376,7 @@ i64 project(struct problem *p, i64 number, i64 i, double time, double h)
     i64 failed = saddle_point(p, number, i, time);
     if (failed) return failed;
     velocities(p, number, i, h, p->momenta, p->velocity);
+    p->energy[1] += projection_work(p);
     multiply_mass(p, p->velocity, p->momenta);
     return 0;
 }

@@ -229,6 +229,8 @@ double violations(struct problem *p, i64 number, i64 i, double time);
 i64 saddle_point(struct problem *p, i64 number, i64 i, double time);
 void push_multipliers(struct problem *p, double h, double *out);
 void velocities(struct problem *p, i64 number, i64 i, double h, const double *momenta, double *out);
+double drive_work(struct problem *p, i64 number, double h);
+double projection_work(struct problem *p);
 void multiply_mass(struct problem *p, const double *v, double *out);
 i64 project(struct problem *p, i64 number, i64 i, double time, double h);
 i64 overstrained(struct problem *p, double time, double h);

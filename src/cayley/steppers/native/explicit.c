@@ -217,6 +217,7 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
         p->counts[0]++;
         if (pass + 1 > p->counts[1]) p->counts[1] = pass + 1;
         if (size <= floor || (size <= 1e-11 && size > 0.5 * last)) {
+            p->energy[1] += drive_work(p, number, part);
             for (i64 n = 0; n < p->couplings; n++) {
                 struct coupling *c = &p->coupling[n];
                 memcpy(c->start, c->multiplier, (size_t)(c->cells * c->gauss * c->count) * sizeof(double));
@@ -265,6 +266,7 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
         hold_momenta(e);
         collect(e, 0, p->momenta);
         velocities(p, number - 1, 1, p->h, p->momenta, p->velocity);
+        p->energy[1] += projection_work(p);
         multiply_mass(p, p->velocity, p->momenta);
         put_momenta(e, p->momenta);
         hold_momenta(e);

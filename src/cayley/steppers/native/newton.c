@@ -219,6 +219,7 @@ static i64 step(struct problem *p, i64 number, double begin)
     p->counts[2] = number, p->counts[3] = worst;
     if (solved != 1) return 0;
     hand_on(p);
+    p->energy[1] += drive_work(p, number, p->h);
     for (i64 n = 0; n < p->couplings; n++) {
         struct coupling *c = &p->coupling[n];
         memcpy(c->start, c->multiplier, (size_t)(c->cells * p->stages * c->gauss * c->count) * sizeof(double));
