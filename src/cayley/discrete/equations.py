@@ -31,7 +31,6 @@ class DiscreteEquations:
         rows: rows of a block.
         uniforms: names of the uniform inputs, in order.
         varying: names of inputs that differ from node to node, and NAME@k of what differs within an element (places).
-        account: whether to keep account of the work of loads without forces beside the Lagrangian, too.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 6; position-momentum form: Marsden and West (2001).
     """
@@ -42,7 +41,6 @@ class DiscreteEquations:
     rows: Rows
     uniforms: tuple[str, ...]
     varying: frozenset[str]
-    account: bool = False
     _derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def program(self, name: str) -> Program:
@@ -153,7 +151,7 @@ def derive(
     by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
     forced = not rule.implicit and (density.force is not None or account)
     rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
-    return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying), account)
+    return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
 
 
 __all__ = ["UNIFORMS", "DiscreteEquations", "Rows", "derive"]
