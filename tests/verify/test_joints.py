@@ -207,7 +207,9 @@ def test_bushing_between_two_bodies(rule):
 
 def test_explicit_rules_refuse_springs():
     model = cy.Model(A, B, springs=[springs.linear(ON_A, B.centre, stiffness=20.0)])
-    with pytest.raises(ValueError, match=r"verlet does not know springs and dampers \(linear\); give an implicit one"):
+    with pytest.raises(
+        ValueError, match=r"the rule verlet does not know springs and dampers \(linear\); give an implicit one"
+    ):
         cy.simulate(model, t_end=0.1, dt=1e-3)
     assert cy.simulate(model, t_end=0.1, accuracy=1e-3).rule != "verlet"
 

@@ -57,24 +57,30 @@ class Track:
         return float(max(_apart(self.places, start.places).max() / self.extent, _apart(self.turns, start.turns).max()))
 
 
+class Refused(ValueError):
+    """No stepper takes a system under its rule; told is why."""
+
+    def __init__(self, rule: object, told: str, remedy: str) -> None:
+        """Hold what is told of the rule."""
+        super().__init__(f"the rule {rule} {told}; {remedy}")
+        self.told = told
+
+
 def stepper_of(system: System) -> ModuleType:
     """The module that steps a system.
 
     Raises:
-        ValueError: it has springs or dampers and its rule is explicit.
+        Refused: there is none.
     """
-    if system.springs and not system.equations.rule.implicit:
+    rule = system.equations.rule
+    if system.springs and not rule.implicit:
         names = ", ".join(spring.name for spring in system.springs)
-        raise ValueError(
-            f"the explicit rule {system.equations.rule} does not know springs and dampers ({names}); give an implicit "
-            "one, such as rule=cy.rules.midpoint, or an accuracy"
-        )
-    if system.equations.rule.implicit:
-        if system.equations.density.force is not None:
-            raise ValueError(
-                f"the rule {system.equations.rule} takes no damping or other forces beside the Lagrangian, yet; "
-                f"use verlet, screw, nodal or spectral(space=...)"
-            )
+        told = f"does not know springs and dampers ({names})"
+        raise Refused(rule, told, "give an implicit one, such as rule=cy.rules.midpoint")
+    if rule.implicit and system.equations.density.force is not None:
+        told = "takes no damping or other forces beside the Lagrangian, yet"
+        raise Refused(rule, told, "use verlet, screw, nodal or spectral(space=...)")
+    if rule.implicit:
         return implicit_run
     if is_constrained(system):
         return coupled_run

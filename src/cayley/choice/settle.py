@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cayley.choice.costs import CONSTRAINED, CONSTRAINED_IMPLICIT, seconds_per_step
-from cayley.choice.pilot import Track, differences, follow, frames_of
+from cayley.choice.pilot import Refused, Track, differences, follow, frames_of
 from cayley.choice.schedule import schedule
 from cayley.discrete.rules import Rule
 from cayley.system.system import State, System
@@ -127,7 +127,10 @@ def settle(task: Task, rule: Rule, *, bound: float = math.inf) -> Alternative:
     error = math.nan
     frames, failed, idle = 0, True, 0
     while alternative(task, rule, h).cost <= bound:
-        track = trial(task, rule, h, frames)
+        try:
+            track = trial(task, rule, h, frames)
+        except Refused as refused:
+            return alternative(task, rule, h, reason=refused.told)
         if track is None:
             before, h = None, 0.5 * h
             continue
