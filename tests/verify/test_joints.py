@@ -205,13 +205,6 @@ def test_bushing_between_two_bodies(rule):
         assert abs(lost) < 1e-4 if np.ndim(damping) == 0 else lost > 0.01
 
 
-def test_explicit_rules_refuse_springs():
-    model = cy.Model(A, B, springs=[springs.linear(ON_A, B.centre, stiffness=20.0)])
-    with pytest.raises(ValueError, match=r"verlet does not know springs and dampers \(linear\); give an implicit one"):
-        cy.simulate(model, t_end=0.1, dt=1e-3)
-    assert cy.simulate(model, t_end=0.1, accuracy=1e-3).rule != "verlet"
-
-
 def test_frame_of_rods_with_a_body():
     """Welded tubes with a weight on a ball joint: three rules agree, and the ball stays closed."""
     steel = cy.Material(density=7850.0, youngs_modulus=2e11, poisson_ratio=0.3)
@@ -243,3 +236,34 @@ def test_goes_on_bit_for_bit(rule, tmp_path):
     on = cy.integrate(opened.system, opened.state, t_end=0.2, save_every=0.05)
     assert_allclose(on.frames.values[-1], whole.frames.values[-1], rtol=0.0, atol=0.0)
     assert str(cy.Trajectory.open(tmp_path / "run").model) == str(model)
+
+
+@pytest.mark.parametrize("rule", RULES, ids=str)
+def test_closed_loop(rule):
+    """A four-bar linkage in a plane, without a redundant constraint: it stays closed and flat, energy is kept."""
+    places = np.array([(0, 0, 0), (0, 0, 1), (2, 0, 1.4), (2, 0, 0)], dtype=float)
+    bars = []
+    for k, name in enumerate(("crank", "coupler", "rocker")):
+        middle, half = 0.5 * (places[k] + places[k + 1]), 0.5 * (places[k + 1] - places[k])
+        ports = {"near": tuple(-half), "far": tuple(half)}
+        bars.append(cy.Body(mass=1.0, inertia=[0.02, 0.03, 0.04], position=tuple(middle), ports=ports, name=name))
+    crank, coupler, rocker = bars
+    out = (0, 1, 0)
+    ties = [
+        joints.hinge(crank.port("far"), coupler.port("near"), axis=out),
+        joints.universal(coupler.port("far"), rocker.port("near"), axis=out, other=(1, 0, 0)),
+        joints.ball(rocker.port("far")),
+    ]
+    held = [supports.turn(crank.port("near"), out)]
+    model = cy.Model(*bars, supports=held, joints=ties, loads=[loads.gravity((0.5, 0, -9.81))])
+    found, run = order(model, rule, steps=(1e-2, 5e-3, 2.5e-3, 5e-4))
+    assert found == pytest.approx(RULES[rule], abs=0.3)
+    assert violation(run) < 1e-13
+    assert np.abs(run.port(rocker, "far").position - places[3]).max() < 1e-13
+    assert np.abs(run[coupler].position[:, 1]).max() < 1e-9
+    assert np.ptp(run.energy.values) < {2: 1e-4, 4: 1e-9}[RULES[rule]]
+    assert np.ptp(run[crank].rotation.values[:, 2]) > 0.1
+    last = supports.turn(rocker.port("far"), out)
+    hinged = [ties[0], joints.hinge(coupler.port("far"), rocker.port("near"), axis=out), last]
+    with pytest.raises(ValueError, match=r"joints? (are|is) redundant at the start"):
+        cy.simulate(model.replace(joints=hinged), t_end=0.1, dt=1e-3, rule=rule)
