@@ -85,6 +85,7 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
         reference=reference,
         joints=joints,
         springs=springs,
+        account=account,
     )
 
 

@@ -99,6 +99,7 @@ class System:
         reference: values of a regular configuration, shape (nodes, rows).
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
+        account: whether a run keeps account of the work of loads, whatever else it does.
         plans: what steppers have prepared for it, by their names; another system made from this one has none.
     """
 
@@ -112,6 +113,7 @@ class System:
     reference: np.ndarray
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
+    account: bool = False
     plans: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -129,7 +131,7 @@ class System:
         """Whether a run keeps an account of work and loss: on request, with forces beside the Lagrangian or drives."""
         forced = self.equations.density.force is not None
         driven = any(joint.drive is not None for joint in self.joints)
-        return self.equations.account or forced or driven or any(spring.damped for spring in self.springs)
+        return self.account or forced or driven or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:
