@@ -61,9 +61,7 @@ def stepper_of(system: System) -> ModuleType:
     """The module that steps a system."""
     if system.equations.rule.implicit:
         return implicit_run
-    if is_constrained(system) or system.springs:
-        return coupled_run
-    return decoupled_run
+    return coupled_run if is_constrained(system) or system.springs else decoupled_run
 
 
 def frames_of(nodes: int) -> int:

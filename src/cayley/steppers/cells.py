@@ -178,7 +178,7 @@ def _constants(system: System, nodes: np.ndarray, along: np.ndarray) -> np.ndarr
 def joint_cells(system: System, nodes: np.ndarray) -> list[Cells]:
     """Joints, those of one kind together."""
     found = []
-    for (kind, grounded), joints in _alike(system.joints).items():
+    for (kind, grounded), joints in alike(system.joints).items():
         program = joint_program(kind, system.layout, grounded=grounded)
         outputs = COUNTS[kind] * (1 + 2 * system.layout.rows)
         constant = np.stack([np.concatenate([joint.parameters, joint.motion(np.zeros(1))[0]]) for joint in joints])
@@ -205,7 +205,7 @@ def _together(driven: Sequence[Coupling]) -> Callable[[np.ndarray], np.ndarray]:
 def spring_cells(system: System, nodes: np.ndarray) -> list[Cells]:
     """Springs and dampers, those of one kind together."""
     found = []
-    for (kind, grounded), springs in _alike(system.springs).items():
+    for (kind, grounded), springs in alike(system.springs).items():
         constant = np.stack([spring.parameters for spring in springs])[:, None]
         program, outputs = spring_program(kind, system.layout, grounded=grounded), 2 * system.layout.rows
         found.append(Cells(**_between(system, program, 1 + outputs, springs, nodes, sign=-1.0), constant=constant))
@@ -216,7 +216,8 @@ def spring_cells(system: System, nodes: np.ndarray) -> list[Cells]:
     return found
 
 
-def _alike(ties: Sequence[Any]) -> dict[tuple[str, bool], list[Any]]:
+def alike(ties: Sequence[Any]) -> dict[tuple[str, bool], list[Any]]:
+    """Joints or springs by their kind and whether they are grounded: those of one cells."""
     found: dict[tuple[str, bool], list[Any]] = {}
     for tie in ties:
         found.setdefault((tie.kind, tie.grounded), []).append(tie)
@@ -251,4 +252,13 @@ def _between(
     }
 
 
-__all__ = ["Cells", "constraint_cells", "in_space", "inertia_cells", "joint_cells", "spring_cells", "term_cells"]
+__all__ = [
+    "Cells",
+    "alike",
+    "constraint_cells",
+    "in_space",
+    "inertia_cells",
+    "joint_cells",
+    "spring_cells",
+    "term_cells",
+]
