@@ -252,6 +252,30 @@ def sweep(record: Record) -> str:
     return f"`accuracy={record['accuracy']:g}` and nothing else.\n\n{table(head, [row])}"
 
 
+def assembly(record: Record) -> str:
+    """Tables of a tree of rods against a chain, and of the factorizations of a lattice."""
+    tree, lattice = record["tree"], record["lattice"]
+    steps = tree["iterations_per_step"]
+    rows = [
+        (name, ranged(tree[f"{name}_us_per_element_step"], 2), f"{steps[name]:.2f}", ratio, wanted)
+        for name, ratio, wanted in (
+            ("tree", ranged(tree["ratio"], 2), verdict(tree["ratio"]["median"], tree["ratio_wanted"])),
+            ("chain", "", ""),
+        )
+    ]
+    head = ("assembly", "per element and step [µs]", "iterations a step", "tree over chain", "wanted")
+    first = (
+        f"{tree['elements']} elements, {tree['joints']} welds, rule `{record['rule']}`, step {tree['dt_s']:g} s. Over "
+        f"iterations the tree costs {ranged(tree['ratio_per_iteration'], 2)} times the chain.\n\n{table(head, rows)}"
+    )
+    residual = lattice["residual"]
+    names = (("block LU", "block_lu"), ("SuperLU", "superlu"))
+    own = [(name, ranged(lattice[f"{key}_ms"], 1), f"{residual[key]:.0e}") for name, key in names]
+    second = table(("factorization", "time [ms]", "residual of a solution"), own)
+    told = f"A lattice with {lattice['joints']} welds, {lattice['unknowns']} unknowns, {lattice['entries']} entries."
+    return f"{first}\n\n{told}\n\n{second}"
+
+
 SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "limit": ("Against hand-written C", limit),
     "pyelastica": ("Against PyElastica", pyelastica),
@@ -262,6 +286,7 @@ SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "work_precision": ("Work and precision", work_precision),
     "heavy_top": ("Heavy top", heavy_top),
     "sweep": ("Rods drawn by chance", sweep),
+    "assembly": ("Joints and closed loops", assembly),
 }
 
 

@@ -5,6 +5,7 @@ import numpy as np
 import cayley as cy
 from cayley import joints, loads, springs, supports
 from cayley.lie import quaternion
+from cayley.model import damping
 
 RUBBER = cy.Material(density=1100.0, youngs_modulus=2e6, poisson_ratio=0.5)
 THICK = cy.Section.circle(0.05, RUBBER)
@@ -15,10 +16,10 @@ EYE = np.array((0.1, 0.05, -0.2))
 TURN = quaternion.from_rotation_vector((0.3, -0.2, 0.5))
 
 
-def pair():
+def pair(**more):
     """Two rods at an angle, and a body turned any way at the end of the second."""
-    a = cy.Rod(THICK, length=1.0, elements=4, direction=(1, 0, 0), name="a")
-    b = cy.Rod(THICK, length=0.8, elements=3, origin=(1, 0, 0), direction=(0, 1, 0.2), name="b")
+    a = cy.Rod(THICK, length=1.0, elements=4, direction=(1, 0, 0), name="a", **more)
+    b = cy.Rod(THICK, length=0.8, elements=3, origin=(1, 0, 0), direction=(0, 1, 0.2), name="b", **more)
     place = np.array(b.end.place[0]) - quaternion.rotate(TURN, EYE)
     ports = {"eye": EYE}
     bob = cy.Body(mass=2.0, inertia=[0.05, 0.06, 0.09], rotation=TURN, position=place, ports=ports, name="bob")
@@ -101,8 +102,8 @@ def followed():
 
 
 def damped():
-    """A frame on a hinge, with springs and dampers of every kind between its parts and to the ground."""
-    a, b, bob = pair()
+    """A frame of viscous rods on a hinge; springs and dampers of every kind between its parts and to the ground."""
+    a, b, bob = pair(damping=damping.retardation(1e-3) + damping.mass_proportional(0.5))
     eye = bob.port("eye")
     ties = [
         springs.linear(a.node(2), eye, stiffness=200.0, damping=8.0, length=0.7),

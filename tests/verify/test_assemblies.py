@@ -101,7 +101,7 @@ def test_order(make, rule, steps, limits):
     runs = [last(model, rule, steps * 2**k, 0.1, initial=start) for k in range(4)]
     for name in ("values", "momenta"):
         exact = getattr(limits[make], name)[-1]
-        assert_order([np.abs(getattr(run, name)[-1] - exact).max() for run in runs], rule.order, floor=1e-12)
+        assert_order([np.abs(getattr(run, name)[-1] - exact).max() for run in runs], rule.order, floor=1e-13)
 
 
 @pytest.mark.parametrize("make", [driven, followed, damped], ids=lambda make: make.__name__)

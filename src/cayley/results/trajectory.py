@@ -73,8 +73,11 @@ class Trajectory:
                 "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
                 "it again, and go on with cy.integrate(system, run.state, t_end=...)"
             )
-        rotation, account = self.outline.layout.representation.name, self.frames.work is not None
-        return discretize(self.model, by_name(self.rule), rotation=rotation, account=account)
+        rotation, rule, work = self.outline.layout.representation.name, by_name(self.rule), self.frames.work
+        tied = bool(self.model.connections or self.model.springs)
+        # explicit steps with ties account for these in one column, for loads in more, on request
+        account = work is not None and (rule.implicit or not tied or work.shape[1] > 1)
+        return discretize(self.model, rule, rotation=rotation, account=account)
 
     @functools.cached_property
     def outline(self) -> Outline:
