@@ -58,20 +58,10 @@ class Track:
 
 
 def stepper_of(system: System) -> ModuleType:
-    """The module that steps a system.
-
-    Raises:
-        ValueError: it has springs or dampers and its rule is explicit.
-    """
-    if system.springs and not system.equations.rule.implicit:
-        names = ", ".join(spring.name for spring in system.springs)
-        raise ValueError(
-            f"the explicit rule {system.equations.rule} does not know springs and dampers ({names}); give an implicit "
-            "one, such as rule=cy.rules.midpoint, or an accuracy"
-        )
+    """The module that steps a system."""
     if system.equations.rule.implicit:
         return implicit_run
-    if is_constrained(system):
+    if is_constrained(system) or system.springs:
         return coupled_run
     return decoupled_run
 
