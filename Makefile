@@ -64,7 +64,7 @@ $(VENV)/.run: pyproject.toml $(LOCK)
 	@$(LOCKED) --editable .
 	@touch $@
 
-# The install compiles the C sources; after they have changed they are compiled again.
+# The install compiles the C sources; after they have changed they are compiled again. What is up to date is left alone.
 $(VENV)/.engine: $(VENV)/.run hatch_build.py $(NATIVE)
 	@$(BIN)/python hatch_build.py
 	@touch $@
