@@ -76,7 +76,7 @@ $(VENV)/.dev: $(VENV)/.run
 
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
-	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]"
+	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]" ziglang
 	{ grep '^#' $(LOCK); .venv-lock/bin/python -m pip freeze --exclude-editable; } > $(LOCK).new
 	mv $(LOCK).new $(LOCK)
 	rm -rf .venv-lock
