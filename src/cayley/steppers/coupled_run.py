@@ -150,8 +150,8 @@ def _advance(
         made.arrays["energy"][1:] = state.work[-1]
     sizes = [c["start"].size for c in made.couplings]
     if state.memory is not None and state.memory.shape == (sum(sizes),):
-        for coupling, values in zip(made.couplings, np.split(state.memory, np.cumsum(sizes)[:-1]), strict=True):
-            coupling["start"][:] = values.reshape(coupling["start"].shape)
+        for coupling, end, size in zip(made.couplings, np.cumsum(sizes), sizes, strict=True):
+            coupling["start"][:] = state.memory[end - size : end].reshape(coupling["start"].shape)
     table = np.zeros((1, 1))
     if system.loads is not None:
         times = state.origin + (state.step + np.arange(steps + 1)) * state.h

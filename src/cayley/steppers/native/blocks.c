@@ -414,10 +414,12 @@ static inline void update(double *out, i64 out_stride, const double *a, i64 rows
 
 /* Inner loops with the sizes of nodes with six degrees of freedom known to the compiler. */
 #define SIX ((6 + LANES - 1) / LANES * LANES)
+/* Such a pivot, where it is small: never with two lanes, and the compiler is not to think of it. */
+#define SMALL_SIX(size) (SMALL >= 6 && (size) == 6)
 
 static void eliminate_pivot(const struct front *t, double *pivot, double *right)
 {
-    if (t->size == 6) multiply_rows(pivot, 6, SIX, right, t->width);
+    if (SMALL_SIX(t->size)) multiply_rows(pivot, 6, SIX, right, t->width);
     else multiply_rows(pivot, t->size, t->pad, right, t->width);
 }
 
@@ -430,8 +432,8 @@ i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch)
         double *pivot = matrix + t->pivot, *right = matrix + t->right, *below = matrix + t->below;
         const double *own = watch ? watch + t->unknown : 0;
         i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots, own)
-                     : t->size == 6 ? invert(pivot, 6, SIX, own)
-                                    : invert(pivot, t->size, t->pad, own);
+                     : SMALL_SIX(t->size) ? invert(pivot, 6, SIX, own)
+                                          : invert(pivot, t->size, t->pad, own);
         if (failed) return f->order[k] + 1;
         if (!t->neighbors) continue;
         if (t->size > SMALL) solve_rows(pivot, t->size, t->pad, pivots + t->pivots, right, t->width);
@@ -463,7 +465,7 @@ void solve(i64 fronts, const double *matrix, const i64 *pivots, double *x)
         if (t->size > SMALL) solve_dense(matrix + t->pivot, t->size, t->pad, pivots + t->pivots, own);
         else {
             double product[SMALL] = {0.0};
-            if (t->size == 6) subtract_product(product, matrix + t->pivot, 6, 6, SIX, own);
+            if (SMALL_SIX(t->size)) subtract_product(product, matrix + t->pivot, 6, 6, SIX, own);
             else subtract_product(product, matrix + t->pivot, t->size, t->size, t->pad, own);
             for (i64 q = 0; q < t->size; q++) own[q] = -product[q];
         }
