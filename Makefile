@@ -64,7 +64,7 @@ $(VENV)/.run: pyproject.toml $(LOCK)
 	@$(LOCKED) --editable .
 	@touch $@
 
-# The install compiles the C sources; after they have changed they are compiled again.
+# The install compiles the C sources; after they have changed they are compiled again. What is up to date is left alone.
 $(VENV)/.engine: $(VENV)/.run hatch_build.py $(NATIVE)
 	@$(BIN)/python hatch_build.py
 	@touch $@
@@ -76,7 +76,7 @@ $(VENV)/.dev: $(VENV)/.run
 
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
-	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]"
+	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]" ziglang
 	{ grep '^#' $(LOCK); .venv-lock/bin/python -m pip freeze --exclude-editable; } > $(LOCK).new
 	mv $(LOCK).new $(LOCK)
 	rm -rf .venv-lock

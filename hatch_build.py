@@ -1,10 +1,12 @@
 """Build hook: compile the C sources of cayley.steppers.native, once for every vector width of the processor family.
 
+Run as a script it compiles those libraries that are not of the present sources, or older than this file.
 The compiler is $CC, else the system's cc, else the one that comes as the package ziglang. docs/adr/0007 says why.
 """
 
 import os
 import platform
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -36,23 +38,36 @@ class Engine(BuildHookInterface):
         build_data["infer_tag"] = True
 
 
-def compile_engine(folder: Path) -> None:
-    """Compile the sources in a folder to libraries beside them."""
+def compile_engine(folder: Path, *, outdated: bool = False) -> None:
+    """Compile the sources in a folder to libraries beside them; outdated: only those that need it."""
     intel = platform.machine().lower() in ("x86_64", "amd64")
     cases = [(lanes, level, pose) for lanes, level in (LEVELS if intel else {2: ""}).items() for pose in (False, True)]
+    sources = runpy.run_path(str(folder / "fingerprint.py"))["fingerprint"](folder)
+    if outdated:
+        cases = [case for case in cases if not _is_current(_library(folder, case[0], case[2]), sources)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(lambda case: _compile(folder, *case), cases))
+        list(pool.map(lambda case: _compile(folder, sources, *case), cases))
 
 
-def _compile(folder: Path, lanes: int, level: str, pose: bool) -> None:
+def _library(folder: Path, lanes: int, pose: bool) -> Path:
+    return folder / f"engine_{lanes}{'_pose' * pose}.so"
+
+
+def _is_current(library: Path, sources: str) -> bool:
+    """Whether a library is of these sources and not older than this file."""
+    if not library.exists() or library.stat().st_mtime < Path(__file__).stat().st_mtime:
+        return False
+    return sources.encode() in library.read_bytes()
+
+
+def _compile(folder: Path, sources: str, lanes: int, level: str, pose: bool) -> None:
     compiler = _system_compiler() or [sys.executable, "-m", "ziglang", "cc"]
     target = [f"-march={level.replace('-', '_') if 'ziglang' in compiler else level}"] if level else []
     target += ["-mprefer-vector-width=512"] if lanes == 8 else []
-    defined = [f"-DLANES={lanes}", *(["-DPOSE"] if pose else [])]
-    library = folder / f"engine_{lanes}{'_pose' * pose}.so"
-    sources = [str(path) for path in sorted(folder.glob("*.c"))]
+    defined = [f"-DLANES={lanes}", f'-DSOURCES="{sources}"', *(["-DPOSE"] if pose else [])]
+    library, files = _library(folder, lanes, pose), [str(path) for path in sorted(folder.glob("*.c"))]
     made = library.with_suffix(".new")  # replaced as a whole: a process that runs keeps the old one
-    subprocess.run([*compiler, *FLAGS, *target, *defined, "-o", str(made), *sources, "-lm"], check=True)
+    subprocess.run([*compiler, *FLAGS, *target, *defined, "-o", str(made), *files, "-lm"], check=True)
     os.replace(made, library)
 
 
@@ -63,4 +78,4 @@ def _system_compiler() -> list[str] | None:
 
 
 if __name__ == "__main__":
-    compile_engine(Path(__file__).parent / FOLDER)
+    compile_engine(Path(__file__).parent / FOLDER, outdated=True)

@@ -20,7 +20,7 @@ from typing import Any, NoReturn
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 RESULTS = HERE / "results"
-PACKAGES = ("numpy", "casadi", "numba", "llvmlite", "xarray", "zarr")
+PACKAGES = ("numpy", "casadi", "llvmlite", "scipy", "xarray", "zarr")
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 Each measurement is a fresh process: the README's first example as it stands there, and ``cayley run leitz2014
 --no-report``. The integration itself is what the same run takes when done a second time in one process, where
 everything is loaded; ``run.wall_time`` of a first run may contain the loading of drivers, which is waiting too.
-"Empty" means new cache folders for cayley, Numba and everything else that obeys XDG_CACHE_HOME; the .pyc files of the
+"Empty" means new cache folders for cayley and everything else that obeys XDG_CACHE_HOME; the .pyc files of the
 installed packages and the system's file cache stay, as after an installation.
 """
 
@@ -26,7 +26,7 @@ from harness import ROOT, paired, spread, write
 
 EMPTY_LIMIT, WARM_LIMIT = 3.0, 1.5
 """Longest wait beyond the integration [s], with an empty and a warm cache."""
-CACHES = ("CAYLEY_CACHE_DIR", "NUMBA_CACHE_DIR", "XDG_CACHE_HOME")
+CACHES = ("CAYLEY_CACHE_DIR", "XDG_CACHE_HOME")
 COMMAND = "import sys; from cayley.cli.main import app; sys.argv[0] = 'cayley'; app()"
 TWICE_EXAMPLE = """
 import sys

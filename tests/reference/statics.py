@@ -6,7 +6,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from cayley.discrete.fused import fused_rows
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
@@ -15,8 +14,8 @@ from cayley.discrete.element import element_forces
 from cayley.discrete.node import mass_matrix, node_load, node_point
 from cayley.discrete.places import constants_at, placed
 from cayley.discrete.polynomial import polynomial_forces
-from cayley.discrete.rules import lagrange, lobatto
 from cayley.lie import quaternion
+from cayley.steppers.cells import in_space
 from cayley.system.discretize import discretize
 
 
@@ -26,8 +25,6 @@ def forces_on_nodes(equations, nodes, length, within):
     `within` has symbols for the constants that differ within an element; implicit steppers do without.
     """
     density, rule, layout = equations.density, equations.rule, equations.layout
-    if rule.one_stage:
-        return fused_forces(equations, [to_sx(n) for n in nodes], length)
     if rule.implicit:
         return point_forces(equations, nodes, length)
     place = {"inverse": wrap(1.0 / length)} | {n: wrap(ca.SX(0)) for n in ("left", "right", "t")}
@@ -36,33 +33,19 @@ def forces_on_nodes(equations, nodes, length, within):
     return length * ca.vertcat(*[to_sx(f) for f in by_ends(density, rule.strain, layout, nodes, place)])
 
 
-def fused_forces(equations, ends, length):
-    """Twice the residual of a step of 1 s that begins and ends alike, of nodes without weight."""
-    program, rows = equations.program("fused"), fused_rows(equations.density, equations.layout, ())
-    residual, handed = dict(program.stores), program.steps[0].values[: equations.layout.dofs]
-    at = {}
-    for shift in (0, 1):
-        at |= {(r, shift): v for r, v in enumerate(ca.vertsplit(ca.vertcat(ends[shift], ends[shift])))}
-    named = {"weight": 0, "here": 0, "length": length, "inverse": 1.0 / length}
-    at |= {(row, 0): named[name] for name, row in rows.named.items()}
-    carried = program.steps[1].targets
-    known = [s for s, *_ in program.lanes] + [*program.uniforms[:2], *carried]
-    given = [at[row, shift] for _, row, shift in program.lanes] + [1, 0] + [0] * len(carried)
-    both = ca.vertcat(*[residual[i] for i in range(rows.residual.start, rows.residual.stop)], *handed)
-    return 2.0 * ca.substitute(both, ca.vertcat(*known), ca.vertcat(*given))
-
-
 def point_forces(equations, nodes, length):
     """−Σ over Gauss points of weight × length × ∂W/∂(z, z′) contracted with φ, φ′ and the turning of the nodes."""
     program, layout, rule = equations.program("strain_point"), equations.layout, equations.rule
     rows, forces = ca.horzcat(*[to_sx(n) for n in nodes]), [ca.SX(0)] * len(nodes)
     known = ca.vertcat(*[s for s, *_ in program.lanes], program.uniforms[0])
     gradient = ca.vertcat(*[value for _, value in program.stores[1 : 1 + 2 * layout.rows]])
-    for phi, slope, weight in zip(*lagrange(lobatto(rule.degree), rule.strain.at), rule.strain.weights, strict=True):
-        point = ca.vertcat(rows @ phi, rows @ slope / length, 0, 1.0 / length, 0)
+    values, slopes, weights = in_space(rule.strain)
+    scale = 1.0 if rule.strain.between_ends else 1.0 / length
+    for phi, slope, weight in zip(values, slopes, weights, strict=True):
+        point = ca.vertcat(rows @ phi, rows @ slope * scale, 0, 1.0 / length, 0)
         g = ca.substitute(gradient, known, point)
         for i, node in enumerate(nodes):
-            pulled = length * phi[i] * g[: layout.rows] + slope[i] * g[layout.rows :]
+            pulled = length * (phi[i] * g[: layout.rows] + slope[i] * scale * g[layout.rows :])
             forces[i] = forces[i] - weight * turned(layout, node).T @ pulled
     return ca.vertcat(*forces)
 

@@ -177,3 +177,15 @@ def test_roll_up_closes_to_a_circle_with_any_number_of_elements(elements):
         quaternion.conjugate(run[made].rotation.values[-1, 0]), run[made].rotation.values[-1, -1]
     )
     assert abs(turned[0]) == pytest.approx(1.0, abs=1e-9)  # once around
+
+
+@pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.spectral(space=2)], ids=str)
+def test_viscous_stress_is_in_the_resultants(rule):
+    """A rod stretched at a constant rate ε̇ has the axial force EA (ε + τ ε̇) all along."""
+    tau, speed, elements = 0.02, 0.5, 4
+    made = rod(elements, damping=damping.retardation(tau))
+    stretching = {"velocity": lambda s: speed * s * E1}
+    run = cy.simulate(cy.Model(made), 1e-4, 1e-5, rule=rule, save_every=1e-4, initial={made: stretching})
+    inner = slice(1, -1)  # the ends are free of stress, but for the inertia of their nodes
+    np.testing.assert_allclose(run[made].force.values[0][inner, 2], AXIAL * tau * speed, rtol=1e-12)
+    np.testing.assert_allclose(run[made].force.values[0][inner, :2], 0.0, atol=1e-9)

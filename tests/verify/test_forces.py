@@ -82,9 +82,35 @@ def test_order_of_motion_and_balance(rule, rotation):
     assert work > 0.02
 
 
-def test_restart_is_bit_for_bit():
-    whole, half = run(cy.rules.verlet, 160), run(cy.rules.verlet, 160, t_end=0.5 * SPAN)
-    rest = run(cy.rules.verlet, 160, start=half.state)
+@pytest.mark.parametrize(
+    ("rule", "steps", "order"),
+    [
+        (cy.rules.midpoint, [40, 80, 160], 2),
+        (cy.rules.screw_midpoint, [40, 80, 160], 2),
+        (cy.rules.galerkin(time=2), [20, 40, 80], 4),
+        (cy.rules.galerkin(time=2, space=2), [20, 40, 80], 4),
+        (cy.rules.galerkin(time=3), [20, 40], 6),
+    ],
+    ids=str,
+)
+def test_order_of_implicit_rules(rule, steps, order):
+    runs = [run(rule, n) for n in [*steps, 640 if order == 2 else 320]]
+    exact = runs.pop().data.x.values[-1]
+    assert_order([np.abs(r.data.x.values[-1] - exact).max() for r in runs], order=order, within=0.35)
+    assert_order([defect(r) for r in runs], order=order, within=0.35)
+
+
+def test_explicit_and_implicit_rules_have_one_limit():
+    """Same nodes, same strains: verlet and Galerkin of degree 2 in time differ by their errors alone."""
+    one, other = run(cy.rules.verlet, 20480), run(cy.rules.galerkin(time=2), 320)
+    np.testing.assert_allclose(one.data.x.values[-1], other.data.x.values[-1], atol=2e-9)
+    np.testing.assert_allclose(one.frames.work[-1].sum(axis=0), other.frames.work[-1].sum(axis=0), atol=2e-9)
+
+
+@pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.midpoint, cy.rules.galerkin(time=2)], ids=str)
+def test_restart_is_bit_for_bit(rule):
+    whole, half = run(rule, 160), run(rule, 160, t_end=0.5 * SPAN)
+    rest = run(rule, 160, start=half.state)
     assert np.array_equal(rest.state.values, whole.state.values)
     assert np.array_equal(rest.state.momenta, whole.state.momenta)
     assert np.array_equal(rest.state.work, whole.state.work)
@@ -124,3 +150,26 @@ def test_step_limit_is_safe_and_not_much_too_small(rule, retardation):
     if retardation == 0.05:
         with pytest.raises(cy.SimulationError):
             fastest(1.03)
+
+
+@pytest.mark.parametrize(
+    ("rule", "steps"),
+    [(cy.rules.verlet, [2e-4, 1e-4, 5e-5]), (cy.rules.midpoint, [4e-3, 2e-3, 1e-3])],
+    ids=str,
+)
+def test_balance_of_loads_alone(rule, steps):
+    """Work of time-dependent loads, in space and in the body, without any damping; the motion is what it was."""
+    rubber = cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)
+    rod = cy.Rod(cy.Section.circle(0.05, rubber), length=1.0, direction=(1, 0, 0), elements=4)
+    acting = [
+        cy.loads.gravity((0, 0, -9.81)),
+        cy.loads.force(rod.end, lambda t: np.array([0.0, 20.0 * np.sin(9.0 * t), 0.0]), frame="body"),
+        cy.loads.moment(rod.end, lambda t: np.array([0.0, 0.3 * t, 1.0])),
+    ]
+    model = cy.Model(rod, supports=[cy.supports.clamp(rod.start)], loads=acting)
+    options = {"save_every": 0.08, "rule": rule, "allow_unstable": True}
+    runs = [cy.simulate(model, 0.4, h, balance=True, **options) for h in steps]
+    assert_order([float(abs(run.energy_balance.defect).max()) for run in runs])
+    assert float(abs(runs[-1].work).max()) > 0.1
+    plain = cy.simulate(model, 0.4, steps[-1], **options)
+    np.testing.assert_allclose(runs[-1][rod].position.values, plain[rod].position.values, atol=1e-11)

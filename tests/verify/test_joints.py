@@ -12,6 +12,7 @@ import cayley as cy
 from cayley import joints, loads, rules, springs, supports
 from cayley.discrete.joint import evaluator, joint_program
 from cayley.lie import quaternion
+from cayley.steppers import coupled_run
 from cayley.system.couplings import joint_inputs
 from cayley.system.redundancy import ground_values
 
@@ -167,7 +168,7 @@ def test_double_pendulum(rule):
     assert error < {2: 1e-5, 4: 1e-9}[RULES[rule]]
 
 
-@pytest.mark.parametrize("rule", [rules.midpoint, rules.galerkin(time=2)], ids=str)
+@pytest.mark.parametrize("rule", RULES, ids=str)
 def test_spring_and_damper(rule):
     """m x'' = −k (x − l) − c x' against its solution; a rotational one against the same in an angle."""
     mass, k, c, stretched = 2.0, 50.0, 3.0, 0.2
@@ -190,7 +191,7 @@ def test_spring_and_damper(rule):
     assert np.all(np.diff(run.energy.values) < 1e-12)
 
 
-@pytest.mark.parametrize("rule", [rules.midpoint, rules.galerkin(time=2)], ids=str)
+@pytest.mark.parametrize("rule", RULES, ids=str)
 def test_bushing_between_two_bodies(rule):
     """Undamped it keeps energy and momenta, damped it takes energy and keeps momenta; order of the rule."""
     stiffness = [20.0, 30.0, 40.0, 1.0, 2.0, 3.0]
@@ -203,6 +204,28 @@ def test_bushing_between_two_bodies(rule):
         assert np.ptp(run.angular_momentum.values, axis=0).max() < 1e-13
         lost = run.energy.values[0] - run.energy.values[-1]
         assert abs(lost) < 1e-4 if np.ndim(damping) == 0 else lost > 0.01
+
+
+def test_springs_restrict_no_candidate():
+    """A soft spring is stepped explicitly, and so is a stiff one beside it as long as that is cheap."""
+    soft = springs.linear(ON_A, B.centre, stiffness=20.0, length=0.1)
+    stiff = springs.linear(A.centre, ON_B, stiffness=1e9)
+    for ties in ([soft], [soft, stiff]):
+        run = cy.simulate(cy.Model(A, B, springs=ties), t_end=0.5, accuracy=1e-3)
+        assert run.rule == "verlet"
+
+
+def test_more_explicit_steps_with_springs_than_one_call_takes():
+    """What is handed from call to call is nothing where there are no multipliers."""
+    model = cy.Model(A, B, springs=[springs.linear(ON_A, B.centre, stiffness=1e4)])
+    start = {B: {"velocity": (0.1, 0.0, 0.0)}}
+    options = {"rule": rules.verlet, "dt": 1e-5, "initial": start}
+    run = cy.simulate(model, t_end=0.3, save_every=0.1, **options)
+    assert run.steps == 30_000 > coupled_run.CHUNK
+    half = cy.simulate(model, t_end=0.15, save_every=0.15, **options)
+    on = cy.integrate(half.system, half.state, t_end=0.3, save_every=0.15)
+    assert_allclose(on.frames.values[-1], run.frames.values[-1], rtol=0.0, atol=1e-12)
+    assert np.ptp(run.energy.values) < 1e-9
 
 
 def test_frame_of_rods_with_a_body():
@@ -236,3 +259,34 @@ def test_goes_on_bit_for_bit(rule, tmp_path):
     on = cy.integrate(opened.system, opened.state, t_end=0.2, save_every=0.05)
     assert_allclose(on.frames.values[-1], whole.frames.values[-1], rtol=0.0, atol=0.0)
     assert str(cy.Trajectory.open(tmp_path / "run").model) == str(model)
+
+
+@pytest.mark.parametrize("rule", RULES, ids=str)
+def test_closed_loop(rule):
+    """A four-bar linkage in a plane, without a redundant constraint: it stays closed and flat, energy is kept."""
+    places = np.array([(0, 0, 0), (0, 0, 1), (2, 0, 1.4), (2, 0, 0)], dtype=float)
+    bars = []
+    for k, name in enumerate(("crank", "coupler", "rocker")):
+        middle, half = 0.5 * (places[k] + places[k + 1]), 0.5 * (places[k + 1] - places[k])
+        ports = {"near": tuple(-half), "far": tuple(half)}
+        bars.append(cy.Body(mass=1.0, inertia=[0.02, 0.03, 0.04], position=tuple(middle), ports=ports, name=name))
+    crank, coupler, rocker = bars
+    out = (0, 1, 0)
+    ties = [
+        joints.hinge(crank.port("far"), coupler.port("near"), axis=out),
+        joints.universal(coupler.port("far"), rocker.port("near"), axis=out, other=(1, 0, 0)),
+        joints.ball(rocker.port("far")),
+    ]
+    held = [supports.turn(crank.port("near"), out)]
+    model = cy.Model(*bars, supports=held, joints=ties, loads=[loads.gravity((0.5, 0, -9.81))])
+    found, run = order(model, rule, steps=(1e-2, 5e-3, 2.5e-3, 5e-4))
+    assert found == pytest.approx(RULES[rule], abs=0.3)
+    assert violation(run) < 1e-13
+    assert np.abs(run.port(rocker, "far").position - places[3]).max() < 1e-13
+    assert np.abs(run[coupler].position[:, 1]).max() < 1e-9
+    assert np.ptp(run.energy.values) < {2: 1e-4, 4: 1e-9}[RULES[rule]]
+    assert np.ptp(run[crank].rotation.values[:, 2]) > 0.1
+    last = supports.turn(rocker.port("far"), out)
+    hinged = [ties[0], joints.hinge(coupler.port("far"), rocker.port("near"), axis=out), last]
+    with pytest.raises(ValueError, match=r"joints? (are|is) redundant at the start"):
+        cy.simulate(model.replace(joints=hinged), t_end=0.1, dt=1e-3, rule=rule)

@@ -14,12 +14,28 @@ import llvmlite.binding as llvm
 HEADER = b"cayley object 1\n"
 
 
+LEVELS = {
+    8: ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
+    4: ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"),
+}
+"""What a processor must have for vectors of so many doubles: x86-64-v4 beyond x86-64-v3, and that beyond 128 bits.
+
+The compiled steppers (steppers.native) are built for these levels and use all of them.
+Source: System V Application Binary Interface, AMD64 supplement, table 3.1.
+"""
+
+
 def lanes() -> int:
     """Number of doubles in a vector register of this machine."""
-    features = _host()[1]
-    if "+avx512f" in features.split(","):
-        return 8
-    return 4 if "+avx" in features.split(",") or "+avx2" in features.split(",") else 2
+    return _lanes_of(_host()[1])
+
+
+def _lanes_of(features: str) -> int:
+    """Number of lanes for features as LLVM writes them, "+avx,-avx512f, ...": of the highest level that is complete."""
+    known = {feature[1:] for feature in features.split(",") if feature.startswith("+")}
+    if not known.issuperset(LEVELS[4]):
+        return 2
+    return 8 if known.issuperset(LEVELS[8]) else 4
 
 
 def host_key() -> str:

@@ -46,6 +46,10 @@ class Force:
         return ";".join(f"{'.'.join(key)}:{slot}" for key in sorted(self.terms) for slot in sorted(self.terms[key]))
 
 
+class ForceError(ValueError):
+    """A force that cannot be traced; its message says all, so nothing is put around it."""
+
+
 _RATES: ContextVar[Callable[[Any], Any] | None] = ContextVar("rates", default=None)
 
 
@@ -169,4 +173,4 @@ def _pair(
     return (ca.densify(to_sx(np.atleast_1d(np.asarray(v, dtype=object)))) for v in (given, on))  # type: ignore
 
 
-__all__ = ["KINDS", "MOVING", "NODE", "SPREAD", "STILL", "STRAIN", "Force", "rate", "trace_force"]
+__all__ = ["KINDS", "MOVING", "NODE", "SPREAD", "STILL", "STRAIN", "Force", "ForceError", "rate", "trace_force"]

@@ -12,7 +12,7 @@ import numpy as np
 
 from cayley.density.expression import Expression, cross, from_sx, symbols, to_sx, wrap
 from cayley.density.fields import Rotation
-from cayley.density.force import Force, trace_force
+from cayley.density.force import Force, ForceError, trace_force
 from cayley.density.lagrangian import Lagrangian
 
 PARTS = ("inertia", "strain", "load")
@@ -292,6 +292,8 @@ def _lines_told(function: Any, where: str) -> Iterator[None]:
     """Tell the line of a function in which something goes wrong."""
     try:
         yield
+    except ForceError:
+        raise
     except Exception as error:
         if str(error).startswith(where.partition(",")[0]):
             raise ValueError(str(error)) from None

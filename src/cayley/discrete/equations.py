@@ -83,9 +83,8 @@ class DiscreteEquations:
         if self.rule.implicit:
             width = self.layout.dofs * len(self.rule.time.at) * self.rule.degree
             more = self.density.constraints.numel() * len(self.rule.time.at) * self.rule.degree
-            if more:
-                return f"coupled nodes; banded, {width} unknowns and {more} multipliers an element, by Newton"
-            return f"coupled nodes; block tridiagonal, {width} unknowns a block, by Newton"
+            unknowns = f"{width} unknowns and {more} multipliers" if more else f"{width} unknowns"
+            return f"coupled nodes; {unknowns} {'an element' if more else 'a block'}, block-sparse LU, by Newton"
         words = []
         for block in self.blocks:
             names = ", ".join(self.layout.dof_names[i] for i in block.unknowns)
@@ -93,7 +92,7 @@ class DiscreteEquations:
         if self.forced:
             words.append("velocities at steps by a predictor")
         count = self.density.constraints.numel()
-        solved = f"; {count} multiplier{'s' * (count > 1)} an element, block tridiagonal, by Newton" if count else ""
+        solved = f"; {count} multiplier{'s' * (count > 1)} an element, block-sparse LU, by Newton" if count else ""
         return "decoupled nodes; " + "; ".join(words) + solved
 
     @property
@@ -133,7 +132,7 @@ def derive(
     if slopes and density.depends("inertia", *slopes):
         raise ValueError(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "
-            f"nodes do not decouple under the rule {rule.name}; a block-tridiagonal rule is needed and not there yet"
+            f"nodes do not decouple under the rule {rule.name}; no rule couples them there yet, write the term without"
         )
     if density.constraints.numel() and (rule.strain.corners or rule.degree > 1):
         raise ValueError(

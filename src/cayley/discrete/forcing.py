@@ -23,6 +23,8 @@ from cayley.discrete.polynomial import polynomial_points
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points
 
+TINY = 1e-12
+"""Rate at which Jacobians are taken instead of 0: the length of a velocity, as in drag, has no derivative at rest."""
 Weighted = Sequence[tuple[float, Mapping[str, Any]]]
 
 
@@ -43,7 +45,7 @@ def pulled_forces(
     """
     force, power = ca.SX.zeros(unknown.shape), ca.SX(0)
     for weight, point in points:
-        motion = _motion(density, point, unknown, moving)
+        motion = motion_of(density, point, unknown, moving)
         found = density.forces(place, kind, dict(point) | motion)
         for name, f in found.items():
             column = to_sx(f)
@@ -52,8 +54,8 @@ def pulled_forces(
     return force, power
 
 
-def _motion(density: Density, point: Mapping[str, Any], unknown: ca.SX, moving: ca.SX) -> dict[str, Any]:
-    """Velocities of the fields and rates of their slopes, from the rates of the unknowns."""
+def motion_of(density: Density, point: Mapping[str, Any], unknown: ca.SX, moving: ca.SX) -> dict[str, Any]:
+    """Velocities of the fields and rates of their slopes at a point, from the rates of the unknowns (pulled_forces)."""
     motion: dict[str, Any] = {}
     along = density.lagrangian.interval
     for name in density.lagrangian.fields:
@@ -219,7 +221,9 @@ def force_program(
         f, powers[kind] = f + force, powers[kind] + power
     outputs = [*ca.vertsplit(ca.densify(f)), powers[STILL], -powers[MOVING]]
     if not light:
-        outputs += ca.vertsplit(ca.vec(ca.densify(ca.jacobian(f, ca.vertcat(unknown, moving))).T))
+        jacobian = ca.densify(ca.jacobian(f, ca.vertcat(unknown, moving)))
+        shifted = moving + TINY * ca.DM(1.0 + np.arange(moving.numel()) / 7.0)  # in no direction of anyone's
+        outputs += ca.vertsplit(ca.vec(ca.substitute([jacobian], [moving], [shifted])[0].T))
     constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
     inputs = [*ca.vertsplit(unknown), *ca.vertsplit(moving), here, inverse, *(constants[n] for n in varying)]
     return Program(
@@ -236,4 +240,4 @@ def _column(value: ca.SX) -> Expression:
     return wrap(np.atleast_1d(from_sx(ca.densify(value))))
 
 
-__all__ = ["element_forcing", "force_program", "node_forcing", "pulled_forces"]
+__all__ = ["element_forcing", "force_program", "motion_of", "node_forcing", "pulled_forces"]

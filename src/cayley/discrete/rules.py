@@ -106,11 +106,6 @@ class Rule:
         return not self.time.corners
 
     @property
-    def one_stage(self) -> bool:
-        """Whether a step has one stage and an element two nodes: implicit rules that are assembled whole."""
-        return self.implicit and len(self.time.at) == 1 and self.degree == 1
-
-    @property
     def degree(self) -> int:
         """Degree of the polynomials in space: nodes of an element less one."""
         return 1 if self.strain.between_ends else len(self.strain.at)

@@ -1,6 +1,6 @@
 """What a structure is made of: materials, sections, rods, bodies, what connects and moves them (NumPy, SI units)."""
 
-from cayley.model import joints, loads, springs, supports
+from cayley.model import damping, joints, loads, springs, supports
 from cayley.model.body import Body, PointMass
 from cayley.model.material import Material
 from cayley.model.model import Model
@@ -18,6 +18,7 @@ __all__ = [
     "Port",
     "Rod",
     "Section",
+    "damping",
     "ground",
     "joints",
     "loads",

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from cayley.lie import quaternion
 from cayley.model import validate
 from cayley.model.validate import Array, Triple
 
@@ -34,7 +33,7 @@ def standard_rotation(owner: str, direction: Triple, normal: Triple | None, show
         right = f"at an angle to direction = {direction!r}, but is parallel to it"
         raise ValueError(validate.wrong(owner, "normal", normal if shown is None else shown, right))
     # then turn about e3 until e1 points along the part of the normal perpendicular to the axis
-    n1, n2, _ = quaternion.inverse_rotate((w, x, y, 0.0), normal).tolist()
+    n1, n2, _ = (np.array(normal) @ _matrix(w, x, y)).tolist()
     half = 0.5 * math.atan2(n2, n1)
     c, s = math.cos(half), math.sin(half)
     return np.array([w * c, x * c + y * s, y * c - x * s, w * s])
@@ -51,3 +50,14 @@ def _smallest_rotation(d: Triple) -> tuple[float, float, float, float]:
     half = 0.5 * math.atan2(sine, d[2])
     factor = math.sin(half) / sine
     return (math.cos(half), -d[1] * factor, d[0] * factor, 0.0)
+
+
+def _matrix(w: float, x: float, y: float) -> Array:
+    """Λ(p) of the unit quaternion (w, x, y, 0), shape (3, 3)."""
+    return np.array(
+        [
+            [w * w + x * x - y * y, 2.0 * x * y, 2.0 * w * y],
+            [2.0 * x * y, w * w - x * x + y * y, -2.0 * w * x],
+            [-2.0 * w * y, 2.0 * w * x, w * w - x * x - y * y],
+        ]
+    )

@@ -336,8 +336,8 @@ class Density(RodLoad):
             raise TypeError(validate.wrong(str(self), "force", self.force, "a function of (q, c)"))
         made = {}
         for name, value in dict(self.constants).items():
-            if not name.isidentifier():
-                raise ValueError(validate.wrong(str(self), "constants", name, "named like variables"))
+            if not name.isidentifier() or name.startswith("_"):
+                raise ValueError(validate.wrong(str(self), "constants", name, "named like variables, without _ first"))
             made[name] = validate.array(str(self), name, value, (-1,) * np.ndim(value), "finite numbers")
         self._set(constants=made)
 

@@ -59,7 +59,7 @@ def conservation(run: Any) -> list[Row]:
     Returns: the rows of the table, energies in J, momenta in kg m/s and kg m²/s.
     """
     window = load_free(run)
-    rows = _energy_rows(run, window)
+    rows = _energy_rows(run, window) + _balance_rows(run)
     rows += _momentum_rows(run, window)
     defect = quaternion_defect(run)
     if defect is not None:
@@ -73,6 +73,8 @@ def load_free(run: Any) -> Window:
     loads = [] if run.model is None else [load for load in run.model.loads if not isinstance(load, Gravity)]
     if run.model is not None and _works_always(run.model):
         return Window(np.ones(len(time), dtype=bool), "whole run, a drive or damper works", False)
+    if run.model is None and run.accounted:
+        return Window(np.ones(len(time), dtype=bool), "whole run, forces act", False)
     end = max((load.until for load in loads), default=-np.inf)
     # the last impulse of a load is spread over half a step on either side
     frames = time >= end + run.dt
@@ -123,7 +125,9 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
 
 
 def _works_always(model: Model) -> bool:
-    """Whether joints are driven or springs damped, all the time."""
+    """Whether joints are driven or springs or rods damped, all the time."""
+    if any(rod.damping is not None for rod in model.rods):
+        return True
     return any(joint.driven for joint in model.connections) or any(np.any(spring.damping) for spring in model.springs)
 
 
@@ -133,7 +137,7 @@ def _flags(values: list[Any]) -> Flags:
 
 def _energy_rows(run: Any, window: Window) -> list[Row]:
     if not window.free:
-        return [Row("energy and momenta", "not judged", "", "loads, drives or dampers act to the end")]
+        return [Row("energy and momenta", "not judged", "", "loads, drives or damping act to the end")]
     time, energy = run.energy["time"].values[window.frames], run.energy.values[window.frames]
     largest = float(run.kinetic_energy.values.max())
 
@@ -147,6 +151,20 @@ def _energy_rows(run: Any, window: Window) -> list[Row]:
         Row("energy, mean", f"{energy.mean():.6g}", "J", window.text),
         Row("energy, ripple (max - min)", f"{ripple:.1e}", "J", relative(ripple)),
         Row("energy, drift", f"{drift:+.1e}", "J", relative(drift)),
+    ]
+
+
+def _balance_rows(run: Any) -> list[Row]:
+    """Work and loss, and what is left of the balance of energy, where a run kept account."""
+    if not run.accounted:
+        return []
+    defect = np.abs(run.energy_balance.defect.values).max()
+    largest = float(run.kinetic_energy.values.max())
+    relative = f"{defect / largest:.1e} of max T" if largest > 0.0 else ""
+    return [
+        Row("work of loads", f"{float(run.work[-1]):.6g}", "J"),
+        Row("dissipated", f"{float(run.dissipated[-1]):.6g}", "J"),
+        Row("energy balance, largest defect", f"{defect:.1e}", "J", relative),
     ]
 
 

@@ -20,7 +20,7 @@ from cayley.report.cite import citation
 from cayley.report.conserved import conservation
 from cayley.report.style import style
 
-_LIBRARIES = ("numpy", "casadi", "numba", "llvmlite", "xarray", "zarr", "matplotlib")
+_LIBRARIES = ("numpy", "casadi", "llvmlite", "xarray", "zarr", "matplotlib")
 _MOST_RODS = 4  # whose stress resultants are drawn
 
 

@@ -17,6 +17,8 @@ _META = {
     "angular_velocity": ("angular velocity, body frame", "rad/s"),
     "kinetic_energy": ("kinetic energy", "J"),
     "potential_energy": ("potential energy of gravity", "J"),
+    "force": ("force of the joint on its first part, space frame", "N"),
+    "moment": ("moment of the joint on its first part at the joint, space frame", "N m"),
     "energy": ("kinetic energy and potential energy of gravity", "J"),
 }
 
@@ -96,6 +98,34 @@ def port_of(run: Any, part: Any, name: str | None) -> tuple[Port, str]:
             raise KeyError(f"{called} has no port {name!r}; it has {has}, or give a port such as rod.node(3)")
         port = ports[str(name)]
     return port, port.called(str(called))
+
+
+def reaction_dataset(run: Any, joint: Any) -> xr.Dataset:
+    """What a joint exerts on its first part, at the place of its first port, dims (time, axis).
+
+    Args:
+        run: the Trajectory.
+        joint: a joint, guide or drive of the model, or its name.
+
+    Returns: a Dataset with force and moment, both in space.
+
+    Raises:
+        KeyError: there is no such joint.
+        ValueError: the run kept no reactions: elements have a degree above 1.
+    """
+    model = run.model
+    names = () if model is None else model.connection_names
+    found = [k for k, name in enumerate(names) if name == joint or model.connections[k] is joint]
+    if not found:
+        raise KeyError(f"the run has no joint {joint!r}; it has {', '.join(names) or 'none'}")
+    if run.observed.reactions is None:
+        raise ValueError(f"the rule {run.rule} gives no reactions; use one of elements of two nodes, such as verlet")
+    k, layout = found[0], run.outline.layout
+    port, exerted = model.connections[k].first, run.observed.reactions[:, found[0]]
+    p = _motion(run, _first(run, port) + port.node * by_name(run.rule).degree)[1]
+    force, moment = exerted[:, layout.dofs_of("x")], _rotate(p, exerted[:, layout.dofs_of("p")])
+    fields = {"force": force, "moment": moment - np.cross(_rotate(p, np.array(port.shift)), force)}
+    return _dataset(run, fields, names[k])
 
 
 def _first(run: Any, port: Port) -> int:

@@ -5,24 +5,29 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
-from cayley.density.expression import symbols, to_sx
+from cayley.density.expression import symbols, to_sx, zeros
+from cayley.density.force import KINDS, STRAIN
 from cayley.discrete.embedded import embedded_point
+from cayley.discrete.forcing import motion_of
 from cayley.discrete.layout import Layout
 from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rules import lagrange, lobatto
+from cayley.lie import quaternion
 from cayley.results.frames import Frames
 from cayley.system.system import System
 
 
-def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Evaluate the strain terms on the polynomials of every element.
 
-    W and ∂W/∂(x′, Ω) are taken at the Gauss points, where they are most accurate; the polynomial through these gives
-    their values at the nodes, the mean of both sides where elements meet.
+    W and ∂W/∂(x′, Ω), less the stresses of forces beside the Lagrangian, are taken at the Gauss points, where they are
+    most accurate; the polynomial through these gives their values at the nodes, the mean of both sides where elements
+    meet.
 
     Args:
         system: a system whose rule has a degree above 1 along the interval.
         frames: its saved states.
+        velocity: of the nodes, shape (m, nodes, dofs).
 
     Returns: strain energy (m,) [J]; resultants in the paper's sign (m, nodes, dofs), as of results.resultants;
     derivatives x′ and Ω between nodes, each at the left one of two (m, nodes, dofs).
@@ -44,17 +49,18 @@ def interpolated(system: System, frames: Frames) -> tuple[np.ndarray, np.ndarray
             own = slice(first, first + degree + 1)
             length = float(system.named["length"][first : first + degree].sum())
             values = _as_quaternions(system.layout, frames.values[:, own])
+            both = np.concatenate([values, _rates(system.layout, values, velocity[:, own])], axis=-1)
             inputs = (
-                np.einsum("ga,tar->tgr", at_gauss, values),
-                np.einsum("ga,tar->tgr", slope_at_gauss, values) / length,
+                np.einsum("ga,tar->tgr", at_gauss, both),
+                np.einsum("ga,tar->tgr", slope_at_gauss, both) / length,
             )
             density, stress, _ = evaluate(*inputs, first, length * np.array(strain.at), frames.times)
             energy += length * density @ np.array(strain.weights)
             found[:, own] -= np.einsum("ng,tgd->tnd", to_nodes, stress)
             shares[own] += 1.0
             inputs = (
-                np.einsum("ga,tar->tgr", at_middle, values),
-                np.einsum("ga,tar->tgr", slope_at_middle, values) / length,
+                np.einsum("ga,tar->tgr", at_middle, both),
+                np.einsum("ga,tar->tgr", slope_at_middle, both) / length,
             )
             slopes[:, first : first + degree] = evaluate(*inputs, first, length * middles, frames.times)[2]
         start += count
@@ -72,17 +78,36 @@ def _as_quaternions(layout: Layout, values: np.ndarray) -> np.ndarray:
     return np.concatenate(parts, axis=-1)
 
 
+def _rates(layout: Layout, values: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Rates of values with rotations as quaternions, ẋ and ½ p ω."""
+    form = Layout(layout.fields, REPRESENTATIONS["quaternion"])
+    rates = np.zeros_like(values)
+    for name in layout.fields:
+        rows, own = form.rows_of(name), velocity[..., layout.dofs_of(name)]
+        if name in layout.rotations:
+            turning = np.concatenate([np.zeros((*own.shape[:-1], 1)), own], axis=-1)
+            own = 0.5 * np.asarray(quaternion.multiply(values[..., rows], turning), dtype=float)
+        rates[..., rows] = own
+    return rates
+
+
 def _term(system: System) -> Callable[..., list[np.ndarray]]:
-    """W, its derivatives with respect to x′ and Ω, and these themselves, at points (m, g, rows) behind a node."""
+    """W, the stresses of x′ and Ω, and these themselves, at points of values and rates (m, g, 2 rows) behind a node."""
     density = system.equations.density
     layout = Layout(system.layout.fields, REPRESENTATIONS["quaternion"])
     along = str(density.lagrangian.interval)
     z, slope, here, t = symbols("z", layout.rows), symbols("dz", layout.rows), symbols("here"), symbols("t")
+    z_t, slope_t = symbols("z_t", layout.rows), symbols("dz_t", layout.rows)
     point = embedded_point(layout, z, slope, along) | {along: here, "t": t}
     gradient = density.gradient("strain", point)
     stress = ca.vertcat(*[to_sx(gradient[f"{name}_{along}"]) for name in layout.fields])
+    unknown, moving = (ca.vertcat(*[to_sx(e) for e in pair]) for pair in ((z, slope), (z_t, slope_t)))
+    for kind in KINDS if density.force is not None else ():
+        found = density.forces(STRAIN, kind, point | motion_of(density, point, unknown, moving))
+        sizes = {name: field.size for name, field in layout.fields.items()}
+        stress -= ca.vertcat(*[to_sx(found.get(f"{n}_{along}", zeros(size))) for n, size in sizes.items()])
     slopes = ca.vertcat(*[to_sx(point[f"{name}_{along}"]) for name in layout.fields])
-    inputs = ca.vertcat(*[to_sx(e) for e in (z, slope, here, t)], density.parameters)
+    inputs = ca.vertcat(*[to_sx(e) for e in (z, z_t, slope, slope_t, here, t)], density.parameters)
     outputs = [density.value("strain", point), ca.densify(stress), ca.densify(slopes)]
     function = ca.Function("strain", [inputs], outputs)
     places = range(len(system.equations.rule.strain.at))

@@ -1,5 +1,7 @@
 """Forces of constraints at saved frames: the multipliers of the equations of motion there."""
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 
@@ -7,39 +9,65 @@ from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.constraint import element_constraints
 from cayley.discrete.node import node_point, tangent
 from cayley.results.frames import Frames
-from cayley.results.joint_rates import joint_rates
-from cayley.steppers.saddle import reactions
+from cayley.results.reactions import JointRates
+from cayley.steppers.saddle import make_plan, reactions
 from cayley.system.system import System
 
 
-def constraint_forces(
-    system: System, frames: Frames, velocity: np.ndarray, forces: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Forces of the multipliers on the nodes of every element.
-
-    M v̇ = F − b − Gᵀ λ and g̈ = G v̇ + Ġ v = 0 give (G M⁻¹ Gᵀ) λ = G M⁻¹ (F − b) + Ġ v, with b the terms of the
-    velocities in d/dt ∂T/∂v (for rotations ω × Jω): λ follows from the state of a frame alone.
+@dataclass(frozen=True, slots=True)
+class ConstraintForces:
+    """Forces of the multipliers at saved frames, body moments and forces in space.
 
     Args:
-        system: the system, of a constrained density.
+        left: of each element on its left node, at that node, shape (m, nodes, dofs).
+        right: of each element on its right node, at its left node, shape (m, nodes, dofs).
+        point: of all joints on the nodes, shape (m, nodes, dofs).
+        joints: of each joint on its first node, shape (m, joints, dofs).
+    """
+
+    left: np.ndarray
+    right: np.ndarray
+    point: np.ndarray
+    joints: np.ndarray
+
+
+def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forces: np.ndarray) -> ConstraintForces:
+    """Forces of the multipliers on the nodes.
+
+    M v̇ = F − b − Gᵀ λ and g̈ = G v̇ + γ = 0 give (G M⁻¹ Gᵀ) λ = G M⁻¹ (F − b) + γ, with b the terms of the
+    velocities in d/dt ∂T/∂v (for rotations ω × Jω), and γ = Ġ v and what prescribed motions add to it: λ follows from
+    the state of a frame and the time alone.
+
+    Args:
+        system: the system, of a constrained density or with joints.
         frames: its saved states.
         velocity: ω and ẋ, shape (m, nodes, dofs).
         forces: all other forces on the nodes, shape (m, nodes, dofs).
 
-    Returns: forces on the left and on the right node of each element, at its left node, shape (m, nodes, dofs) each.
+    Returns: the ConstraintForces.
 
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
-    function, of_joints = _rates(system), joint_rates(system)
-    left, right = np.zeros_like(forces), np.zeros_like(forces)
+    function, of_joints, plan = _rates(system), JointRates(system), make_plan(system)
+    left, right, point = (np.zeros_like(forces) for _ in range(3))
+    joints = np.zeros((len(frames.times), len(system.joints), system.layout.dofs))
     elements = np.flatnonzero(system.named["length"])
+    constrained = bool(system.equations.density.constraints.numel() and len(elements))
     for k, time in enumerate(frames.times):
         turning, bias = function(_inputs(system, frames.values[k], velocity[k], float(time)))
-        turning, bias = np.asarray(turning).T, np.asarray(bias).T
-        rates = [turning[elements], *of_joints(frames.values[k], velocity[k], float(time))]
-        found = reactions(system, frames.state(k), forces[k] - bias, [-r for r in rates]).forces[0].sum(axis=1)
-        left[k, elements], right[k, elements] = found[:, 0], found[:, 1]
-    return left, right
+        rates = [np.asarray(turning).T[elements]] if constrained else []
+        rates += of_joints(frames.values[k], velocity[k], float(time))
+        solved = reactions(system, plan, frames.state(k), forces[k] - np.asarray(bias).T, [-rate for rate in rates])
+        found = [of_cells.sum(axis=1) for of_cells in solved.forces]
+        if constrained:
+            left[k, elements], right[k, elements] = found[0][:, 0], found[0][:, 1]
+        for members, both in zip(of_joints.groups.values(), found[constrained:], strict=True):
+            for joint, (first, second) in zip(members, both, strict=True):
+                joints[k, joint] = first
+                point[k, system.joints[joint].first] += first
+                if not system.joints[joint].grounded:
+                    point[k, system.joints[joint].second] += second
+    return ConstraintForces(left, right, point, joints)
 
 
 def _rates(system: System) -> ca.Function:

@@ -8,7 +8,7 @@ from cayley.results.frames import Frames
 from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
-from cayley.results.springs import spring_energy
+from cayley.results.springs import spring_energy, spring_forces
 from cayley.system.system import System, by_node, pack
 
 
@@ -24,6 +24,8 @@ class Observations:
         resultants: spatial momenta σ and Σ at the nodes, shape (m, nodes, dofs).
         slopes: derivatives along the interval at the first point of each element, shape (m, nodes, dofs), that of an
             element at its left node.
+        reactions: of each joint on its first node, body moment and force in space, shape (m, joints, dofs); None where
+            there are no joints, or elements have a degree above 1.
     """
 
     velocity: np.ndarray
@@ -32,6 +34,7 @@ class Observations:
     load: np.ndarray
     resultants: np.ndarray
     slopes: np.ndarray
+    reactions: np.ndarray | None = None
 
 
 def observe(system: System, frames: Frames) -> Observations:
@@ -63,11 +66,13 @@ def observe(system: System, frames: Frames) -> Observations:
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
     nothing = np.zeros_like(part["velocity"])
     spatial, slopes = nothing, part.get("slopes", nothing)
+    reactions = None
     if system.equations.rule.degree > 1:
-        strain, spatial, slopes = interpolated(system, frames)
+        strain, spatial, slopes = interpolated(system, frames, part["velocity"])
     elif "left" in part:
-        if system.equations.density.constraints.numel():
-            _add_constraint_forces(system, frames, part)
+        part["point"] = spring_forces(system, frames, part["velocity"])
+        if system.equations.density.constraints.numel() or system.joints:
+            reactions = _add_constraint_forces(system, frames, part)
         spatial = resultants(system, frames, part)
     return Observations(
         velocity=part["velocity"],
@@ -76,16 +81,19 @@ def observe(system: System, frames: Frames) -> Observations:
         load=load,
         resultants=spatial,
         slopes=slopes,
+        reactions=reactions if system.joints else None,
     )
 
 
-def _add_constraint_forces(system: System, frames: Frames, part: dict[str, np.ndarray]) -> None:
-    """Add the forces of the multipliers to those of the elements."""
+def _add_constraint_forces(system: System, frames: Frames, part: dict[str, np.ndarray]) -> np.ndarray:
+    """Add the forces of the multipliers to those of the elements and of points; returns those of joints."""
     from_left = np.zeros_like(part["right"])
     from_left[:, 1:] = part["right"][:, :-1]
-    total = part["left"] + from_left + part["load"] + sum(timed_loads(system, frames))
-    left, right = constraint_forces(system, frames, part["velocity"], total)
-    part["left"], part["right"] = part["left"] + left, part["right"] + right
+    total = part["left"] + from_left + part["load"] + part["point"] + sum(timed_loads(system, frames))
+    found = constraint_forces(system, frames, part["velocity"], total)
+    part["left"], part["right"] = part["left"] + found.left, part["right"] + found.right
+    part["point"] = part["point"] + found.point
+    return found.joints
 
 
 __all__ = ["Frames", "Observations", "observe"]

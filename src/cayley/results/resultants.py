@@ -29,7 +29,7 @@ def resultants(system: System, frames: Frames, forces: Mapping[str, np.ndarray])
         system: the system, with an interval.
         frames: its saved states.
         forces: "left" and "right", of each element on its left and right node, and "load", of the load terms of the
-            density on each node, shape (m, nodes, dofs) each.
+            density on each node, and "point", of joints and springs on the nodes alone, shape (m, nodes, dofs) each.
 
     Returns: in the paper's sign (σ = ∂L/∂x′ = −internal force), x in space, rotations in the body frame,
     shape (m, nodes, dofs), in N and N m; times h these are the raw discrete momenta.
@@ -45,6 +45,7 @@ def resultants(system: System, frames: Frames, forces: Mapping[str, np.ndarray])
     from_left[:, before == 0.0] = 0.0
     spread, point = timed_loads(system, frames)
     spread += forces["load"]
+    point += forces["point"]
     free = system.free[None]
     left = np.where(free, other * from_left - share * (from_right + point), from_left + share * spread)
     right = np.where(free, other * (from_left + point) - share * from_right, -from_right - other * spread)

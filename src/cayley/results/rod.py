@@ -33,7 +33,7 @@ def rod_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
 
     Returns: a Dataset with position, rotation, velocity, angular_velocity, force and moment (stress resultants in the
     body frame, Λᵀn and m), sigma and Sigma (the paper's spatial momenta, −n in space and −m) with their impulses over
-    one step, and per element strain Γ and curvature Ω.
+    one step, and per element strain Γ and curvature Ω, those without stress included.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 2 and section 6.1.
     """

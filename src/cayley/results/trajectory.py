@@ -152,6 +152,20 @@ class Trajectory:
 
         return port_dataset(self, *port_of(self, part, name))
 
+    def reaction(self, joint: Any) -> "xr.Dataset":
+        """Force [N] and moment [N m], in space, of a joint on its first part, at the first port.
+
+        Args:
+            joint: a joint, guide or drive of the model, or its name.
+
+        Raises:
+            KeyError: there is no such joint.
+            ValueError: the rule has elements of a degree above 1.
+        """
+        from cayley.results.body import reaction_dataset
+
+        return reaction_dataset(self, joint)
+
     def __repr__(self) -> str:
         """Say what ran."""
         what = f"{len(self.time)} frames, t = {self.time[0]:g} to {self.time[-1]:g} s"
@@ -178,6 +192,11 @@ class Trajectory:
         """Total energy [J], dims (time,)."""
         total = self.observed.kinetic + self.observed.strain + self.observed.load
         return self._series(total, "energy", "J")
+
+    @property
+    def accounted(self) -> bool:
+        """Whether the run kept account of work and loss."""
+        return self.frames.work is not None
 
     @property
     def work(self) -> "xr.DataArray":

@@ -18,6 +18,7 @@ from cayley.simulation.failure import SimulationError
 from cayley.simulation.run import run as _run
 from cayley.simulation.run import spacing_of, span_of
 from cayley.simulation.start import start_of_model, start_of_system
+from cayley.steppers.saddle import is_constrained
 from cayley.system.discretize import spans
 from cayley.system.system import State, System
 
@@ -190,7 +191,7 @@ def _task(
         save_every=spacing_of(save_every, span),
         accuracy=accuracy,
         loads=seconds_of_loads(system),
-        constrained=system.equations.density.constraints.numel() > 0,
+        constrained=is_constrained(system),
         busy_after=max((start for start in starts if start < t_end), default=0.0),
     )
 

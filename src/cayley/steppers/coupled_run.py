@@ -46,6 +46,8 @@ class Explicit:
 
 def make_plan(system: System) -> Explicit:
     """Kernels, rows and loads of a system."""
+    if "coupled" in system.plans:
+        return system.plans["coupled"]
     nodes = saddle.constrained_nodes(system)
     plan = saddle.make_plan(system, spring_cells(system, nodes))
     rows, layout, lanes = system.equations.rows, system.layout, system.kernels.lanes
@@ -67,7 +69,7 @@ def make_plan(system: System) -> Explicit:
         at, turn = loads.node, position[loads.node] * layout.rows + loads.turn
         columns = [block[at], lane[at], target[at] + loads.dof, turn, loads.form, loads.column]
         entries, scales = np.column_stack(columns).astype(np.int64), loads.factors
-    return Explicit(
+    made = Explicit(
         plan=plan,
         calls=calls,
         uniforms=uniforms,
@@ -77,6 +79,8 @@ def make_plan(system: System) -> Explicit:
         scales=scales,
         fixed=np.column_stack([block[node], momenta[node] + dof, lane[node]]).astype(np.int64),
     )
+    system.plans["coupled"] = made
+    return made
 
 
 def _spans(blocks: int, known: set[int]) -> np.ndarray:
@@ -146,8 +150,8 @@ def _advance(
         made.arrays["energy"][1:] = state.work[-1]
     sizes = [c["start"].size for c in made.couplings]
     if state.memory is not None and state.memory.shape == (sum(sizes),):
-        for coupling, values in zip(made.couplings, np.split(state.memory, np.cumsum(sizes)[:-1]), strict=True):
-            coupling["start"][:] = values.reshape(coupling["start"].shape)
+        for coupling, end, size in zip(made.couplings, np.cumsum(sizes), sizes, strict=True):
+            coupling["start"][:] = state.memory[end - size : end].reshape(coupling["start"].shape)
     table = np.zeros((1, 1))
     if system.loads is not None:
         times = state.origin + (state.step + np.arange(steps + 1)) * state.h

@@ -59,6 +59,8 @@ def run(
 
 def make_plan(system: System) -> Plan:
     """Cells and blocks, kernels compiled: a node between elements is a block, those inside one are one together."""
+    if "implicit" in system.plans:
+        return system.plans["implicit"]
     degree, groups, first = system.equations.rule.degree, [], 0
     for count in system.chains:
         element, inner = np.divmod(np.arange(count), degree)
@@ -67,7 +69,9 @@ def make_plan(system: System) -> Plan:
         first += int(own[-1]) + 1
     nodes = np.arange(system.size)
     cells = term_cells(system), constraint_cells(system, nodes)
-    return problem.make_plan(system, nodes, system.equations.rule.time, np.concatenate(groups), *cells)
+    plan = problem.make_plan(system, nodes, system.equations.rule.time, np.concatenate(groups), *cells)
+    system.plans["implicit"] = plan
+    return plan
 
 
 def prepare(system: System) -> None:

@@ -77,16 +77,16 @@ class Reactions:
     forces: list[np.ndarray]
 
 
-def reactions(system: System, state: State, force: np.ndarray, rates: list[np.ndarray]) -> Reactions:
+def reactions(system: System, plan: Plan, state: State, force: np.ndarray, rates: list[np.ndarray]) -> Reactions:
     """Multipliers that give accelerations the constraints allow.
 
     Args:
         system: the system.
+        plan: made of it by make_plan.
         state: values and time.
         force: f on every node, left-trivialized, shape (nodes, dofs).
         rates: s of every kind of cells, shape (cells, gauss × count).
     """
-    plan = make_plan(system)
     made = problem.make_problem(plan, state if state.h else state.at_step(1.0), 1, 1)
     call = ctypes.byref(made.struct)
     made.engine.saddle_point(call, *_words(0, 0), ctypes.c_double(state.time))

@@ -7,13 +7,11 @@ import numpy as np
 
 from cayley.density.expression import Expression, symbols, to_sx, wrap
 from cayley.density.force import KINDS
-from cayley.discrete.forcing import element_forcing, node_forcing
+from cayley.discrete.forcing import TINY, element_forcing, node_forcing
 from cayley.discrete.node import tangent
 from cayley.discrete.places import constants_at, placed
 from cayley.system.system import System
 
-TINY = 1e-12
-"""Velocity [m/s, rad/s] added to all: the length of a velocity, as in drag, has no derivative at rest."""
 Matrices = tuple[np.ndarray, np.ndarray]
 
 

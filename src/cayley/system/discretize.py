@@ -227,12 +227,9 @@ def _within(
     found = {}
     for label, values in entries.items():
         constant, _, index = label.removeprefix("c.").partition("[")
-        for k in range(1, max(rule.cell, len(rule.strain.at))):
-            if constant in STRAIN_CONSTANTS:
-                key = name_at(constant, k)
-                own = _entry(constants, f"c.{key}[{index}") if key in constants else values
-            else:  # of node k of the cell
-                own = np.roll(values, -k) if k < rule.cell else values
+        for k in range(1, len(rule.strain.at) if constant in STRAIN_CONSTANTS else rule.cell):
+            key = name_at(constant, k)
+            own = _entry(constants, f"c.{key}[{index}") if key in constants else values
             if np.any(own != values):
                 found[name_at(label, k)] = own
     return found

@@ -23,11 +23,13 @@ class PartArrays:
 
     Constants of inertia are those of a node; constants of strain (stiffness, reference) those of the element at its
     right, which the last node, without one, repeats: what is equal everywhere then stays so. Of elements with several
-    strain points they are those of point 0, and NAME@k those of point k (see discrete.places).
+    strain points they are those of point 0, and NAME@k those of point k; for cells of several nodes NAME@k is, at the
+    first, the constant of node k (see discrete.places). NAME@k may be left out where it is the same as NAME.
 
     Args:
         named: weight, 1/weight, length, here and inverse of every node, shape (nodes,) each (see System).
-        constants: constants of the density by name, shape (nodes, *shape of the constant) each.
+        constants: constants of the density by name, shape (nodes, *shape of the constant) each. All parts of a model
+            have the same plain names; a node alone, without elements, repeats any constants of strain.
         position: at the start [m], shape (nodes, 3).
         rotation: at the start, unit quaternions, shape (nodes, 4).
     """
@@ -52,7 +54,7 @@ def rod_arrays(rod: Rod, rule: Rule, gravity: np.ndarray) -> PartArrays:
         gravity: acceleration g [m/s²], shape (3,).
 
     Returns: its PartArrays; constants are mass (), inertia (3, 3), first_moment (3,), gravity (3,), stiffness (6 or
-    fewer, square) and reference (6,), the last two also as NAME@k.
+    fewer, square) and reference (6,), also as NAME@k where they may differ within an element.
     """
     coordinates = chain_nodes(np.asarray(rod.nodes), rule.degree)
     named = chain_arrays(coordinates, rule.degree)
@@ -88,6 +90,10 @@ def _inertias(rod: Rod, rule: Rule, weight: np.ndarray) -> dict[str, np.ndarray]
         for a in range(degree + 1):
             total[a : len(weight) - degree + a : degree] += lumped[:, a]
         found[name] = total / weight.reshape(-1, *[1] * (total.ndim - 1))
+    last = len(weight) - 1
+    for k in range(1, rule.cell):
+        inner = np.minimum(np.arange(len(weight)) + k, last)
+        found |= {name_at(name, k): found[name][inner] for name in names}
     return found
 
 

@@ -5,7 +5,7 @@ force. So all rods of a model still run in one sweep, and a model without forces
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import cross, dot, from_sx, norm, to_sx, wrap
-from cayley.density.force import rate
+from cayley.density.force import ForceError, rate
 from cayley.density.lagrangian import Lagrangian
 from cayley.density.library import E3
 from cayley.model import Model, Part, Rod
@@ -90,15 +90,19 @@ class _Own:
     """Constants of one fragment, by their own names."""
 
     def __init__(self, c: Any, label: str, names: set[str]) -> None:
-        self._c, self._label, self._names = c, label, names
+        self._c, self._label, self._names, self._used = c, label, names, set[str]()
+
+    def _unused(self, names: Iterable[str]) -> str | None:
+        """The first of some constants that nobody asked for."""
+        return next((name for name in names if name not in self._used), None)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
         if name not in self._names:
-            raise ValueError(
-                f"unknown constant c.{name}, there are {', '.join(sorted(self._names - {'on'})) or 'none'}"
-            )
+            known = ", ".join(sorted(n for n in self._names if not n.startswith("_"))) or "none"
+            raise ValueError(f"unknown constant c.{name}, there are {known}")
+        self._used.add(name)
         return getattr(self._c, f"{self._label}_{name}")
 
 
@@ -125,14 +129,14 @@ def _fragments(model: Model, part: Part, constrained: int) -> list[Fragment]:
 def _timed(load: RodLoad, fragment: Fragment) -> Fragment:
     """The fragment with a factor for the rod and, if there is one, the time window of its load."""
     windowed = load.start > 0.0 or load.until < math.inf
-    constants = dict(fragment.constants) | {"on": np.asarray(1.0)}
+    constants = dict(fragment.constants) | {"_on": np.asarray(1.0)}
     if windowed:
-        constants |= {"start": np.asarray(load.start), "until": np.asarray(min(load.until, 1e300))}
+        constants |= {"_start": np.asarray(load.start), "_until": np.asarray(min(load.until, 1e300))}
 
     def pairs(q: Any, c: Any, own: Any) -> Pairs:
-        on = own.on
+        on = own._on
         if windowed:
-            on = on * np.where(q.t >= own.start, 1.0, 0.0) * np.where(q.t < own.until, 1.0, 0.0)
+            on = on * np.where(q.t >= own._start, 1.0, 0.0) * np.where(q.t < own._until, 1.0, 0.0)
         return [(on * force, quantity) for force, quantity in fragment.pairs(q, c, own)]
 
     return Fragment((*fragment.key, windowed), constants, pairs)
@@ -182,9 +186,10 @@ def _value(given: Any, name: str, size: int | None, load: RodLoad) -> tuple[Any,
         try:
             found = wrap(np.asarray(given(*arguments), dtype=object))
         except Exception as error:
-            raise ValueError(f"{where} does not work on symbols ({error}); write it with NumPy, without if") from error
+            raise ForceError(f"{where} does not work on symbols ({error}); write it with NumPy, without if") from None
         if found.shape != (() if size is None else (size,)):
-            raise ValueError(f"{where} returns shape {found.shape}; it must return {size or 'one'} number(s)")
+            wanted = "one number" if size is None else f"{size} numbers"
+            raise ForceError(f"{where} returns shape {found.shape}; it must return {wanted}")
         return found
 
     return given, {}, value
@@ -267,7 +272,19 @@ def _tendon(load: Tendon, constrained: int, gravity: np.ndarray) -> Fragment:
 
 def _density(load: Density, constrained: int, gravity: np.ndarray) -> Fragment:
     constants = {name: np.asarray(value, dtype=float) for name, value in load.constants.items()}
-    return Fragment(("density", load.force, *sorted(constants)), constants, lambda q, c, own: load.force(q, own))
+
+    def pairs(q: Any, c: Any, own: Any) -> Pairs:
+        try:
+            found = [(force, quantity) for force, quantity in load.force(q, own)]
+        except Exception as error:
+            told = str(error).removeprefix("Lagrangian rod: ")
+            raise ForceError(f"{load}: its force does not return pairs (F, e) of symbols: {told}") from None
+        unused = own._unused(constants)
+        if unused is not None:
+            raise ForceError(f"{load}: the constant {unused} is given but its force never uses it; leave it out")
+        return found
+
+    return Fragment(("density", load.force, *sorted(constants)), constants, pairs)
 
 
 _FRAGMENTS: dict[type[RodLoad], Callable[[Any, int, np.ndarray], Fragment]] = {

@@ -2,6 +2,7 @@
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csc_array
 
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
@@ -11,11 +12,14 @@ from cayley.discrete.places import constants_at, placed
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.rules import lobatto_weights
 from cayley.system.damping import forced_matrices
+from cayley.system.spring_limits import largest, spring_columns
 from cayley.system.system import System
 
 SHARPNESS = 1.02
 DENSE = 400
 """Up to so many degrees of freedom all eigenvalues of the dense matrix are quicker."""
+MOST_SOLVED = 20_000_000
+"""Entries of the factor of springs (160 MB) up to which a bound is lowered; with more the sum must do."""
 
 
 def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = None, *, enough: float = np.inf) -> float:
@@ -26,8 +30,9 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
     (hω)² < (4 − 2z + z²)/(1 − z/2), which is 4 at least; matrices K and D that do not commute were tried at random.
 
     For lumped masses ω_max² ≤ max over elements of λ_max(M_e⁻¹ K_e) (Irons and Treharne 1971, Fried 1972), with each
-    node's mass shared between its elements. The bound is then lowered as far as a Cholesky factorization of σM − K,
-    which exists just where σ > ω_max², certifies.
+    node's mass shared between its elements; springs add their own λ_max(M⁻¹ K), dampers theirs to δ_max. The bound is
+    then lowered as far as a Cholesky factorization of σM − K, which exists just where σ > ω_max², certifies. Joints are
+    left out: holding something lowers every frequency (Rayleigh).
 
     Args:
         system: the system.
@@ -38,26 +43,48 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
     Returns: the step [s]; infinite where nothing oscillates.
     """
     masses, stiffness = _matrices(system, values)
-    if system.equations.density.force is None:
-        largest = _highest(system, masses, stiffness, 4.0 / enough**2)
-        return float(2.0 / np.sqrt(largest)) if largest > 0.0 else float("inf")
-    motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates
-    more, damping = forced_matrices(system, _inputs(system, values), _lengths(system), motion)
-    squared = _highest(system, masses, (stiffness[0] + more[0], stiffness[1] + more[1]), 4.0 / enough**2)
-    rate = _highest(system, masses, damping, 2.0 / enough)
+    springs, dampers = _tied(system, values, masses)
+    damping: tuple[np.ndarray, np.ndarray] | None = None
+    if system.equations.density.force is not None:
+        motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates
+        more, damping = forced_matrices(system, _inputs(system, values), _lengths(system), motion)
+        stiffness = (stiffness[0] + more[0], stiffness[1] + more[1])
+    elif dampers is not None:
+        damping = (np.zeros_like(stiffness[0]), np.zeros_like(stiffness[1]))
+    squared = _highest(system, masses, stiffness, springs, 4.0 / enough**2)
+    rate = 0.0 if damping is None else _highest(system, masses, damping, dampers, 2.0 / enough)
     limits = [2.0 / np.sqrt(squared) if squared > 0.0 else np.inf, 2.0 / rate if rate > 0.0 else np.inf]
     return float(min(limits))
 
 
-def _highest(system: System, masses: np.ndarray, matrices: tuple[np.ndarray, np.ndarray], harmless: float) -> float:
-    """Bound of the largest eigenvalue of M⁻¹A, its root sharp to 2 % unless harmless; 0 if none is positive."""
-    bound = _largest(_scaled_elements(system, masses, matrices))
-    if bound <= harmless:
-        return max(bound, 0.0)
+def _tied(system: System, values: np.ndarray, masses: np.ndarray) -> tuple[csc_array | None, csc_array | None]:
+    """Factors of the scaled matrices of springs and of dampers; None where there are none."""
+    if not system.springs:
+        return None, None
+    free = system.free
+    found = spring_columns(system, values, free[:, :, None] * _inverse_roots(masses) * free[:, None, :])
+    springs, dampers = (columns if columns.shape[1] else None for columns in found)
+    return springs, dampers
+
+
+def _highest(
+    system: System,
+    masses: np.ndarray,
+    matrices: tuple[np.ndarray, np.ndarray],
+    ties: csc_array | None,
+    harmless: float,
+) -> float:
+    """Bound of the largest eigenvalue of M⁻¹A + B Bᵀ, its root sharp to 2 % unless harmless; 0 if none is positive."""
+    own = max(_largest(_scaled_elements(system, masses, matrices)), 0.0)
+    bound = own if ties is None else own + largest(ties)
+    if bound <= harmless or own == 0.0:
+        return bound
     bands = _assemble(system, masses, matrices, system.free)
     if system.size * system.layout.dofs <= DENSE:
-        return max(_exact(bands), 0.0)
-    return _certify(bands, bound)
+        return max(_exact(bands, ties), 0.0)
+    if ties is not None and ties.shape[0] * ties.shape[1] > MOST_SOLVED:
+        return bound
+    return _certify(bands, ties, bound)
 
 
 def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
@@ -219,20 +246,26 @@ def _assemble(
     return [roots[: n - k] @ band @ roots[k:] for k, band in enumerate(bands)]
 
 
-def _exact(bands: list[np.ndarray]) -> float:
-    """Largest eigenvalue of the block banded matrix, with a margin for rounding."""
+def _exact(bands: list[np.ndarray], ties: csc_array | None) -> float:
+    """Largest eigenvalue of the block banded matrix + B Bᵀ, with a margin for rounding."""
     n, d, _ = bands[0].shape
     dense = np.zeros((n, d, n, d))
     nodes = np.arange(n)
     for k, band in enumerate(bands):
         dense[nodes[: n - k], :, nodes[k:], :] = band
         dense[nodes[k:], :, nodes[: n - k], :] = band.transpose(0, 2, 1)
-    return float(np.linalg.eigvalsh(dense.reshape(n * d, n * d))[-1]) * (1.0 + 1e-9)
+    whole = dense.reshape(n * d, n * d)
+    if ties is not None:
+        whole = whole + (ties @ ties.T).toarray()
+    return float(np.linalg.eigvalsh(whole)[-1]) * (1.0 + 1e-9)
 
 
-def _certify(bands: list[np.ndarray], bound: float) -> float:
-    """Smallest σ, to 2 %, found by bisection for which σ − A is positive definite."""
-    from scipy.linalg import LinAlgError, cholesky_banded
+def _certify(bands: list[np.ndarray], ties: csc_array | None, bound: float) -> float:
+    """Smallest σ, to 2 %, found by bisection for which σ − A − B Bᵀ is positive definite.
+
+    It is where σ − A is, and 1 − Bᵀ (σ − A)⁻¹ B too.
+    """
+    from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
     n, d, _ = bands[0].shape
     u = len(bands) * d - 1
@@ -243,11 +276,16 @@ def _certify(bands: list[np.ndarray], bound: float) -> float:
                 column = k + shift * d
                 band[u + i - column, column::d] = blocks[:, i, k]
 
+    columns = None if ties is None else ties.toarray()
+
     def holds(sigma: float) -> bool:
         shifted = -band
         shifted[u] += sigma
         try:
-            cholesky_banded(shifted, check_finite=False)
+            factor = cholesky_banded(shifted, check_finite=False)
+            if columns is not None:
+                solved = cho_solve_banded((factor, False), columns, check_finite=False)
+                np.linalg.cholesky(np.eye(columns.shape[1]) - columns.T @ solved)
         except LinAlgError:
             return False
         return True

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -100,6 +100,7 @@ class System:
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
         account: whether a run keeps account of the work of loads, whatever else it does.
+        plans: what steppers have prepared for it, by their names; another system made from this one has none.
     """
 
     equations: DiscreteEquations
@@ -113,6 +114,7 @@ class System:
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
     account: bool = False
+    plans: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def layout(self) -> Layout:

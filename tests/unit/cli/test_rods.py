@@ -20,6 +20,10 @@ t_end = 1e-5
 save_every = 5e-6
 """
 ROUND = '[section.round]\nshape = "circle"\nmaterial = "steel"\nradius = 0.02\n'
+OFF = (
+    '[section.off]\nshape = "given"\nstiffness = [1e6, 1e6, 1e6, 1e3, 1e3, 1e3]\nmass_per_length = 2.0\n'
+    "inertia = [0.1, 0.1, 0.2]\nmass_center = [0.01, 0.02]\n"
+)
 THIN = '[section.thin]\nshape = "circle"\nmaterial = "steel"\nradius = 0.01\n'
 
 
@@ -112,6 +116,19 @@ RODS = {
         'section = ["round", "thin", "thin"]\nlength = 2.0\nelements = 3\nstretched = 1.01',
         lambda: cy.Rod([SOLID, SLIM, SLIM], length=2.0, elements=3, stretched=1.01),
     ),
+    "off axis": (
+        'section = "off"\nlength = 1.0\nelements = 2',
+        lambda: cy.Rod(
+            cy.Section.given(
+                stiffness=np.diag([1e6, 1e6, 1e6, 1e3, 1e3, 1e3]),
+                mass_per_length=2.0,
+                inertia=np.diag([0.1, 0.1, 0.2]),
+                mass_center=(0.01, 0.02),
+            ),
+            length=1.0,
+            elements=2,
+        ),
+    ),
     "tapered": (
         'section = "round"\ntip_section = "thin"\nlength = 2.0\nelements = 3\ndirection = [1, 0, 0]',
         lambda: cy.Rod(cone, length=2.0, elements=3, direction=(1, 0, 0)),
@@ -129,12 +146,13 @@ def assert_same(found, wanted, **close):
     assert (found.length, found.mass, found.elements) == pytest.approx((wanted.length, wanted.mass, wanted.elements))
     for one, other in zip(found.sections, wanted.sections, strict=True):
         np.testing.assert_allclose(one.stiffness, other.stiffness, **close)
+        np.testing.assert_allclose(one.first_moment, other.first_moment, **close)
 
 
 @pytest.mark.parametrize("name", RODS)
 def test_a_rod_of_a_file_is_that_of_the_call(name):
     text, call = RODS[name]
-    assert_same(model(f"{ROUND}{THIN}[[rod]]\n{text}\n").rods[0], call(), rtol=0, atol=1e-14)
+    assert_same(model(f"{ROUND}{THIN}{OFF}[[rod]]\n{text}\n").rods[0], call(), rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", RODS)

@@ -41,7 +41,7 @@ def test_listing_reads_as_formulas():
     assert lines[-2:] == ["row 2 = (-u)", "row 3 = where_nonzero((x < y), u)"]
 
 
-FUNCTIONS = {"sqrt", "sin", "cos", "fabs", "where_nonzero"}
+FUNCTIONS = {"sqrt", "sin", "cos", "fabs", "minnum", "where_nonzero"}
 WORD = re.compile(r"(?<![\w.])(?:1/weight|[A-Za-z_][\w.]*(?:\[[\d,]+\])?)")
 
 

@@ -154,3 +154,13 @@ def test_force_point_contracted_is_the_force_of_an_explicit_element(kind):
     f = point(np.concatenate([embedded(*ends), embedded(*moving)]))[0].reshape(2, -1)
     pulled = [t.T @ (0.5 * f[0] + sign * KNOWN["inverse"] * f[1]) for t, sign in zip(tangents, (-1, 1), strict=True)]
     assert_allclose(np.concatenate(pulled), numbers, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["force_point", "node_force_point"])
+def test_jacobian_of_drag_is_finite_at_rest(name):
+    point = Point(midpoint, name)
+    u = point.start()
+    u[point.size :] = 0.0
+    f, _, _, jacobian = point(u)
+    assert np.isfinite(f).all()
+    assert np.isfinite(jacobian).all()

@@ -32,6 +32,7 @@ def rod_data(time, rod, dt):
 
 class FakeRun:
     rule, dt, steps, wall_time = "nodal", 1e-3, 4000, 0.048
+    accounted = False
 
     def __init__(self, model, time):
         self.model = model
@@ -72,6 +73,6 @@ def run(make_run):
 def own_run(run):
     """A run of a Lagrangian of one's own: no model, no rods."""
     fields = xr.Dataset({"p": run["rod"].rotation, "p_t": run["rod"].position})
-    names = ("rule", "dt", "steps", "wall_time", "energy", "kinetic_energy", "potential_energy")
+    names = ("rule", "dt", "steps", "wall_time", "accounted", "energy", "kinetic_energy", "potential_energy")
     momenta = ("linear_momentum", "angular_momentum")
     return SimpleNamespace(model=None, data=fields, **{name: getattr(run, name) for name in (*names, *momenta)})

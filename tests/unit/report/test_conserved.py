@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from cayley.model import Material, Model, Rod, Section, loads, supports
+from cayley.model import Material, Model, Rod, Section, damping, loads, supports
 from cayley.report.conserved import conservation, load_free, preserved, quaternion_defect
+from cayley.simulation import simulate
 
 
 def rows(run):
@@ -89,3 +90,13 @@ def test_symmetries(origin, hold, gravity, linear, angular):
     model = Model(rod, supports=held, loads=[loads.gravity(gravity)])
     found = ["".join(axis for axis, stays in zip("xyz", flags, strict=True) if stays) for flags in preserved(model)]
     assert found == [linear, angular]
+
+
+def test_damping_is_balanced_not_judged():
+    rubber = Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)
+    rod = Rod(Section.circle(0.05, rubber), length=1.0, elements=3, damping=damping.retardation(1e-3))
+    found = simulate(Model(rod), 0.01, initial={rod: {"angular_velocity": lambda s: (s, 0.0, 0.0)}})
+    table = rows(found)
+    assert table["energy and momenta"].value == "not judged"
+    assert float(table["dissipated"].value) > 0.0
+    assert float(table["energy balance, largest defect"].value) < 0.01 * float(table["dissipated"].value)

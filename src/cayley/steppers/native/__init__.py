@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from cayley.steppers.native.fingerprint import fingerprint
+
 HERE = Path(__file__).parent
 _TYPES = {"i64": ctypes.c_int64, "double": ctypes.c_double}
 
@@ -18,7 +20,7 @@ def library(lanes: int, *, pose: bool = False) -> Any:
     """The functions of engine.h for vectors of so many doubles; pose: for nodes of one rotation and one position.
 
     Raises:
-        ImportError: if the package was installed without them.
+        ImportError: if the package was installed without them, or they are not of the sources that stand beside them.
     """
     path = HERE / f"engine_{lanes}{'_pose' * pose}.so"
     if not path.exists():
@@ -26,9 +28,26 @@ def library(lanes: int, *, pose: bool = False) -> Any:
             f"cayley: {path.name} is missing; install cayley again (pip install --force-reinstall cayley)"
         )
     found = ctypes.CDLL(str(path))
+    if _sources_of(found) != _fingerprint():
+        raise ImportError(
+            f"cayley: {path.name} is not compiled from the C sources beside it; compile it again (python "
+            "hatch_build.py in a checkout, else pip install --force-reinstall cayley)"
+        )
     for name in ("order_blocks", "matrix_size", "pivot_count", "advance", "project", "factorize"):
         getattr(found, name).restype = ctypes.c_int64
     return found
+
+
+def _sources_of(found: Any) -> str:
+    """The fingerprint a library was compiled with; nothing of one that is older than fingerprints."""
+    try:
+        found.sources.restype = ctypes.c_char_p
+    except AttributeError:
+        return ""
+    return str(found.sources().decode())
+
+
+_fingerprint = functools.cache(functools.partial(fingerprint, HERE))
 
 
 @functools.cache

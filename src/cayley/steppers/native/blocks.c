@@ -109,11 +109,14 @@ static void eliminate(i64 count, const i64 *size, struct set *near, i64 *waiting
     free(head), free(next), free(previous), free(degree), free(listed);
 }
 
-static const i64 *position_of;
-static int earlier(const void *a, const void *b)
+/* Sort blocks by their place in the order of elimination. */
+static void sort(i64 *item, i64 count, const i64 *position)
 {
-    i64 x = position_of[*(const i64 *)a], y = position_of[*(const i64 *)b];
-    return (x > y) - (x < y);
+    for (i64 i = 1; i < count; i++) {
+        i64 one = item[i], j = i;
+        for (; j > 0 && position[item[j - 1]] > position[one]; j--) item[j] = item[j - 1];
+        item[j] = one;
+    }
 }
 
 /* Plan the elimination of blocks of the given sizes. Neighbors of b: neighbor[start[b] ... start[b + 1]]; those in
@@ -145,12 +148,11 @@ i64 order_blocks(i64 count, const i64 *size, const i64 *start, const i64 *neighb
     f->column = malloc((size_t)(links + 1) * sizeof(i64));
     f->row = malloc((size_t)(links + 1) * sizeof(i64));
     f->target = malloc((size_t)(2 * pairs + 1) * sizeof(i64));
-    position_of = f->position;
     i64 link = 0, update = 0, offset = 0, unknown = 0;
     for (i64 k = 0; k < count; k++) {
         struct front *t = &f->front[k];
         i64 b = f->order[k];
-        qsort(found[k].item, (size_t)found[k].count, sizeof(i64), earlier);
+        sort(found[k].item, found[k].count, f->position);
         t->size = size[b], t->pad = padded(size[b]);
         t->first = link, t->neighbors = found[k].count, t->update = update;
         t->unknown = t->pivots = unknown;
@@ -412,10 +414,12 @@ static inline void update(double *out, i64 out_stride, const double *a, i64 rows
 
 /* Inner loops with the sizes of nodes with six degrees of freedom known to the compiler. */
 #define SIX ((6 + LANES - 1) / LANES * LANES)
+/* Such a pivot, where it is small: never with two lanes, and the compiler is not to think of it. */
+#define SMALL_SIX(size) (SMALL >= 6 && (size) == 6)
 
 static void eliminate_pivot(const struct front *t, double *pivot, double *right)
 {
-    if (t->size == 6) multiply_rows(pivot, 6, SIX, right, t->width);
+    if (SMALL_SIX(t->size)) multiply_rows(pivot, 6, SIX, right, t->width);
     else multiply_rows(pivot, t->size, t->pad, right, t->width);
 }
 
@@ -428,8 +432,8 @@ i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch)
         double *pivot = matrix + t->pivot, *right = matrix + t->right, *below = matrix + t->below;
         const double *own = watch ? watch + t->unknown : 0;
         i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots, own)
-                     : t->size == 6 ? invert(pivot, 6, SIX, own)
-                                    : invert(pivot, t->size, t->pad, own);
+                     : SMALL_SIX(t->size) ? invert(pivot, 6, SIX, own)
+                                          : invert(pivot, t->size, t->pad, own);
         if (failed) return f->order[k] + 1;
         if (!t->neighbors) continue;
         if (t->size > SMALL) solve_rows(pivot, t->size, t->pad, pivots + t->pivots, right, t->width);
@@ -461,7 +465,7 @@ void solve(i64 fronts, const double *matrix, const i64 *pivots, double *x)
         if (t->size > SMALL) solve_dense(matrix + t->pivot, t->size, t->pad, pivots + t->pivots, own);
         else {
             double product[SMALL] = {0.0};
-            if (t->size == 6) subtract_product(product, matrix + t->pivot, 6, 6, SIX, own);
+            if (SMALL_SIX(t->size)) subtract_product(product, matrix + t->pivot, 6, 6, SIX, own);
             else subtract_product(product, matrix + t->pivot, t->size, t->size, t->pad, own);
             for (i64 q = 0; q < t->size; q++) own[q] = -product[q];
         }

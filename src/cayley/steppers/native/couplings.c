@@ -282,8 +282,9 @@ void push_multipliers(struct problem *p, double h, double *out)
     }
 }
 
-/* Rates of the constraints by their drives alone, negative, at a control, in the rows of the multipliers. They are at most quadratic in
- * the drives, so a central difference is exact. */
+/* Rates of the constraints by their drives alone, negative, at a control, in the rows of the multipliers, by central
+ * differences: exact where they are at most quadratic in the drives, which all are but those of a driven link (1/length);
+ * there the error is that of the square of the relative change of its length in a step. */
 static void driven_rates(struct problem *p, i64 number, i64 i, i64 at, double h)
 {
     for (i64 m = 0; m < p->couplings; m++) {

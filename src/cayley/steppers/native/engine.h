@@ -1,7 +1,7 @@
 /* The implicit stepper: one step is a system of nonlinear equations in the control nodes of all nodes, solved by Newton's
  * method with a block-sparse LU. Everything is double precision; a vec holds LANES cells side by side.
  *
- * Structs that Python fills have one field a line: steppers/native.py reads this file.
+ * Structs that Python fills have one field a line: native/__init__.py reads this file.
  */
 #ifndef CAYLEY_ENGINE_H
 #define CAYLEY_ENGINE_H
@@ -193,6 +193,9 @@ struct explicit_run {
     i64 fixed_count;
     double *frames;      /* [saves][blocks][kept][LANES] */
 };
+
+/* What the library was compiled from, see native/fingerprint.py. */
+const char *sources(void);
 
 /* blocks.c */
 i64 order_blocks(i64 count, const i64 *size, const i64 *start, const i64 *neighbor, const i64 *after_start,

@@ -8,6 +8,15 @@
 #include <string.h>
 #include "engine.h"
 
+#ifndef SOURCES
+#error "compile with hatch_build.py, which defines SOURCES"
+#endif
+
+const char *sources(void)
+{
+    return SOURCES;
+}
+
 static const i64 QUICK_ITERATIONS = 20;
 static const i64 ITERATIONS = 60; /* most iterations of the first try of a step, and of the careful ones */
 static const double STEP_TOLERANCE = 1e-9;  /* with a new tangent the next correction would be about the square */
