@@ -43,14 +43,15 @@ def forces_beside(system: System, frames: Frames, velocity: np.ndarray) -> Force
         return found
     known, starts = element_symbols(system), element_starts(system)
     inner, outer = _inner(system, known), _forcing(system, known, (SPREAD,))
-    function = ca.Function("beside", [known.inputs], [inner, outer, _on_node(system, known)])
-    for k, time in enumerate(frames.times):
-        outputs = function(element_inputs(system, frames.values[k], velocity[k], float(time)))
-        one, other, on_node = (np.asarray(f).T for f in outputs)
-        found.inner[k, starts] = one[starts].reshape(-1, ends, dofs)
-        found.outer[k] = on_node
-        for end, part in enumerate(np.moveaxis(other[starts].reshape(-1, ends, dofs), 1, 0)):
-            found.outer[k, starts + end] += part
+    between = ca.Function("between", [known.inputs], [inner, outer]), element_inputs(system, starts)
+    on_node = ca.Function("on_node", [known.inputs], [_on_node(system, known)]), element_inputs(system, np.arange(size))
+    for k, time in enumerate(map(float, frames.times)):
+        now = frames.values[k], velocity[k], time
+        stress, other = (np.asarray(f).T.reshape(-1, ends, dofs) for f in between[0](between[1](*now)))
+        found.inner[k, starts] = stress
+        found.outer[k] = np.asarray(on_node[0](on_node[1](*now))).T
+        for end in range(ends):
+            found.outer[k, starts + end] += other[:, end]
     return found
 
 

@@ -1,5 +1,6 @@
 """Symbols of the nodes of an element and what its terms read, and their numbers at a saved frame."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ from cayley.density.expression import Expression, symbols, to_sx, wrap
 from cayley.discrete.places import constants_at, placed
 from cayley.system.system import System
 
+Inputs = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 _NAMES = ("inverse", "left", "right", "weight", "length", "t")
 
 
@@ -54,28 +56,30 @@ def element_starts(system: System) -> np.ndarray:
     return np.concatenate(found)
 
 
-def element_inputs(system: System, values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
-    """Numbers for the symbols, a column for each node as the first of an element.
+def element_inputs(system: System, nodes: np.ndarray) -> Inputs:
+    """Numbers for the symbols of the elements that begin at some nodes.
 
     Args:
         system: the system.
-        values: of all nodes, shape (nodes, rows).
-        velocity: shape (nodes, dofs).
-        time: the time [s].
+        nodes: their first nodes; of a node where no element begins those of its own are right, others without meaning.
 
-    Returns: shape (inputs, nodes); of a node where no element begins those of its own are right, others without
-    meaning.
+    Returns: a function of values of all nodes (nodes, rows), their velocities (nodes, dofs) and the time [s], that
+    returns a column for each of the nodes.
     """
     equations, named = system.equations, system.named
     degree, here = equations.rule.degree, system.values_of("here")
-    spaces = named.get("length", np.zeros(system.size))
-    length = sum((np.roll(spaces, -k) for k in range(degree)), start=np.zeros(system.size))
+    own = [(nodes + k) % system.size for k in range(degree + 1)]
+    length = sum((named["length"][k] for k in own[:-1]), start=np.zeros(len(nodes)))
     inverse = 1.0 / np.where(length > 0.0, length, 1.0)
-    own = [inverse, here, np.roll(here, -degree), named["weight"], length, np.full(system.size, time)]
-    constants = [system.values_of(name) for name in equations.density.names]
-    extra = [named[name] for name in placed(equations.varying)]
-    shifted = [np.roll(array, -k, axis=0) for array in (values, velocity) for k in range(degree + 1)]
-    return np.column_stack([*shifted, *own, *constants, *extra]).T
+    places = np.column_stack([inverse, here[own[0]], here[own[-1]], named["weight"][nodes], length])
+    names = [*equations.density.names, *placed(equations.varying)]
+    constants = np.stack([system.values_of(name)[nodes] for name in names], axis=1)
+
+    def inputs(values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
+        moving = [array[k] for array in (values, velocity) for k in own]
+        return np.column_stack([*moving, places, np.full(len(nodes), time), constants]).T
+
+    return inputs
 
 
 __all__ = ["ElementSymbols", "element_inputs", "element_starts", "element_symbols"]

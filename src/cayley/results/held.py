@@ -29,10 +29,10 @@ def support_forces(system: System, frames: Frames, velocity: np.ndarray, forces:
     found = np.zeros((len(frames.times), len(nodes), system.layout.dofs))
     if not len(nodes):
         return found
-    inertia, free = NodeInertia(system), system.free[nodes].astype(float)
+    inertia, free = NodeInertia(system, nodes), system.free[nodes].astype(float)
     both, fixed = free[:, :, None] * free[:, None, :], np.eye(system.layout.dofs) * (1.0 - free[:, None, :])
     for k, time in enumerate(frames.times):
-        bias, mass = (part[nodes] for part in inertia(frames.values[k], velocity[k], float(time)))
+        bias, mass = inertia(frames.values[k], velocity[k], float(time))
         missing = bias - forces[k, nodes]
         acceleration = -np.linalg.solve(mass * both + fixed, (free * missing)[:, :, None])
         found[k] = (1.0 - free) * (missing + (mass @ acceleration)[:, :, 0])

@@ -10,11 +10,11 @@ from cayley.system.system import System
 
 
 class NodeInertia:
-    """M = ∂²T/∂v² and b of every node, T by its weight; for a rotation b has ω × Jω."""
+    """M = ∂²T/∂v² and b of nodes, T by their weight; for a rotation b has ω × Jω."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, nodes: np.ndarray) -> None:
         """Derive the function."""
-        self.system = system
+        self.dofs, self.inputs = system.layout.dofs, element_inputs(system, nodes)
         layout, density = system.layout, system.equations.density
         known = element_symbols(system)
         node, rate, weight = known.ends[0], known.rates[0], to_sx(known.place["weight"])
@@ -34,11 +34,10 @@ class NodeInertia:
     def __call__(self, values: np.ndarray, velocity: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """For values and velocities of all nodes at a time.
 
-        Returns: b, shape (nodes, dofs), and M, shape (nodes, dofs, dofs).
+        Returns: b, shape (n, dofs), and M, shape (n, dofs, dofs), of the n nodes asked for.
         """
-        bias, mass = self.function(element_inputs(self.system, values, velocity, time))
-        dofs = self.system.layout.dofs
-        return np.asarray(bias).T, np.asarray(mass).T.reshape(-1, dofs, dofs)  # symmetric: rows or columns first
+        bias, mass = self.function(self.inputs(values, velocity, time))
+        return np.asarray(bias).T, np.asarray(mass).T.reshape(-1, self.dofs, self.dofs)  # symmetric
 
 
 __all__ = ["NodeInertia"]

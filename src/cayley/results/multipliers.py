@@ -50,20 +50,21 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
 
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
-    of_joints, inertia, saddle = JointRates(system), NodeInertia(system), saddle_problem(system)
+    of_joints, saddle = JointRates(system), saddle_problem(system)
+    inertia, nodes = NodeInertia(system, saddle.plan.nodes), saddle.plan.nodes
     left, right, point = (np.zeros_like(forces) for _ in range(3))
     joints = np.zeros((len(frames.times), len(system.joints), system.layout.dofs))
     elements = element_starts(system)
     constrained = bool(system.equations.density.constraints.numel() and len(elements))
-    turning = _turning(system) if constrained else None
+    turning, inputs = (_turning(system) if constrained else None), element_inputs(system, elements)
     for k, time in enumerate(map(float, frames.times)):
         values, moving = frames.values[k], velocity[k]
         rates = of_joints(values, moving, time)
         if turning is not None:
-            found = np.asarray(turning(element_inputs(system, values, moving, time)))
-            rates = [found.T[elements], *rates]
-        bias = inertia(values, moving, time)[0]
-        solved = reactions(saddle, values, time, forces[k] - bias, [-rate for rate in rates])
+            rates = [np.asarray(turning(inputs(values, moving, time))).T, *rates]
+        driving = forces[k].copy()
+        driving[nodes] -= inertia(values, moving, time)[0]
+        solved = reactions(saddle, values, time, driving, [-rate for rate in rates])
         pulls = [of_cells.sum(axis=1) for of_cells in solved.forces]
         if constrained:
             left[k, elements], right[k, elements] = pulls[0][:, 0], pulls[0][:, 1]
