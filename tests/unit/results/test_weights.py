@@ -243,3 +243,20 @@ def test_refusals():
         run.reaction(supports.clamp(bob.centre))
     with pytest.raises(KeyError, match=r"the run has no joint ball of bob.centre to ground; it has pin"):
         run.joint(joints.ball(bob.centre))
+
+
+@pytest.mark.parametrize("rule", [rules.verlet, rules.midpoint], ids=str)
+def test_pin_of_a_rod_with_its_mass_beside_the_axis(rule):
+    """The held node turns, and the mass beside it with it: d/dt Σ m (ẋ + Λ (ω × c)) is the reaction and the weight."""
+    offset, stiffness = np.array([0.02, 0.01, 0.0]), np.diag([3e3, 3e3, 1e4, 2.0, 2.0, 1.0])
+    inertia = np.diag([4e-4, 5e-4, 9e-4])
+    section = cy.Section.given(stiffness=stiffness, mass_per_length=1.2, inertia=inertia, mass_center=offset[:2])
+    rod = cy.Rod(section, length=1.0, direction=(1, 0, 0), elements=5, name="rod")
+    pin = supports.pin(rod.start)
+    model = cy.Model(rod, supports=[pin], loads=[loads.gravity(G)])
+    run = cy.simulate(model, t_end=0.03, rule=rule, dt=1e-4 if rule.implicit else None, save_every=5e-4)
+    data, weight = run[rod], run.system.named["weight"]
+    swing = quaternion.rotate(data.rotation.values, np.cross(data.angular_velocity.values, offset))
+    momentum = 1.2 * np.einsum("tni,n->ti", data.velocity.values + swing, weight)
+    change = np.gradient(momentum, run.time, axis=0) - rod.mass * G
+    assert_allclose(run.reaction(pin).force.values[3:-3], change[3:-3], atol=0.015 * np.abs(change).max())
