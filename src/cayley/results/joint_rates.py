@@ -31,6 +31,8 @@ class JointRates:
 
     def __call__(self, values: np.ndarray, velocity: np.ndarray, time: float) -> list[np.ndarray]:
         """For values and velocities of all nodes at a time, shape (joints, constraints) for every kind."""
+        if not self.groups:  # what has no joints may have no pose
+            return []
         ground, still = ground_values(self.system.layout), np.zeros(self.system.layout.dofs)
         found = []
         for key, members in self.groups.items():
