@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 
 from cayley.density.expression import Expression, symbols, to_sx, wrap, zeros
-from cayley.density.force import KINDS, MOVING, STILL
+from cayley.density.force import KINDS, MOVING, STILL, STRAIN
 from cayley.discrete.forcing import element_forcing, node_forcing
 from cayley.discrete.node import node_point
 from cayley.discrete.program import Assign, Program, Step
@@ -98,7 +98,7 @@ class ForcedWriter(Writer):
             if force is not None and force.between_nodes(kind):
                 points, place, both = self.rule.strain, self._place(), [*rates, after]
                 ends = [self.nodes[0], self.next]
-                found = element_forcing(self.density, points, self.layout, ends, both, place, kind, internal=True)
+                found = element_forcing(self.density, points, self.layout, ends, both, place, kind, where=(STRAIN,))
                 for name, more in zip(("left", "right"), found, strict=True):
                     outputs[name] = wrap(outputs[name] + where_element(length, more * length))
         return energy, outputs

@@ -145,7 +145,7 @@ def element_forcing(
     place: Mapping[str, Any],
     kind: str,
     *,
-    internal: bool = False,
+    where: tuple[str, ...] = (STRAIN, SPREAD),
 ) -> list[Expression]:
     """Forces with slopes on the nodes of an element per unit of its length, left-trivialized, shape (dofs,) each.
 
@@ -157,7 +157,7 @@ def element_forcing(
         rates: their velocities, m + 1 of shape (dofs,).
         place: "inverse" 1/ds, "t", and the coordinates "left" and "right".
         kind: "still" or "moving".
-        internal: only those whose quantity has slopes: stresses.
+        where: STRAIN for those whose quantity has slopes: stresses; SPREAD for the others.
     """
     if len(ends) > 2:
         found: Weighted = polynomial_points(density, points, layout, ends, place)
@@ -167,8 +167,8 @@ def element_forcing(
     unknown = ca.vertcat(*[to_sx(end) for end in ends])
     moving = ca.vertcat(*[t @ to_sx(v) for t, v in zip(tangents, rates, strict=True)])
     pulled = ca.SX.zeros(unknown.shape)
-    for where in (STRAIN,) if internal else (STRAIN, SPREAD):
-        pulled += pulled_forces(density, where, kind, found, unknown, moving)[0]
+    for place_of in where:
+        pulled += pulled_forces(density, place_of, kind, found, unknown, moving)[0]
     r = layout.rows
     return [_column(t.T @ pulled[k * r : (k + 1) * r]) for k, t in enumerate(tangents)]
 

@@ -17,8 +17,8 @@ _META = {
     "angular_velocity": ("angular velocity, body frame", "rad/s"),
     "kinetic_energy": ("kinetic energy", "J"),
     "potential_energy": ("potential energy of gravity", "J"),
-    "force": ("force of the joint on its first part, space frame", "N"),
-    "moment": ("moment of the joint on its first part at the joint, space frame", "N m"),
+    "force": ("force, space frame", "N"),
+    "moment": ("moment about the place where the force acts, space frame", "N m"),
     "energy": ("kinetic energy and potential energy of gravity", "J"),
 }
 
@@ -37,13 +37,13 @@ def body_dataset(run: Any, node: int, name: str) -> xr.Dataset:
     potential_energy and energy.
     """
     part = run.model.parts[run.model.names.index(name)]
-    x, p, v, omega = _motion(run, node)
+    x, p, v, omega = motion(run, node)
     inertia = part.inertia if isinstance(part, Body) else np.zeros((3, 3))
     gravity = sum((load.at(0.0) for load in run.model.loads if isinstance(load, Gravity)), start=np.zeros(3))
     kinetic = 0.5 * part.mass * np.sum(v * v, axis=-1) + 0.5 * np.sum(omega * (omega @ inertia), axis=-1)
     potential = -part.mass * x @ gravity
     fields = {"position": x, "rotation": p, "velocity": v, "angular_velocity": omega, "kinetic_energy": kinetic}
-    return _dataset(run, fields | {"potential_energy": potential, "energy": kinetic + potential}, name)
+    return dataset(run, fields | {"potential_energy": potential, "energy": kinetic + potential}, name)
 
 
 def port_dataset(run: Any, port: Port, name: str) -> xr.Dataset:
@@ -58,15 +58,15 @@ def port_dataset(run: Any, port: Port, name: str) -> xr.Dataset:
 
     Returns: a Dataset with position, rotation, velocity and angular_velocity (about the axes of the port).
     """
-    x, p, v, omega = _motion(run, _first(run, port) + port.node * by_name(run.rule).degree)
+    x, p, v, omega = motion(run, node_of(run, port))
     shift, turn = np.array(port.shift), np.array(port.turn)
     fields = {
-        "position": x + _rotate(p, shift),
+        "position": x + rotate(p, shift),
         "rotation": np.asarray(quaternion.multiply(p, turn), dtype=float),
-        "velocity": v + _rotate(p, np.cross(omega, shift)),
+        "velocity": v + rotate(p, np.cross(omega, shift)),
         "angular_velocity": np.asarray(quaternion.inverse_rotate(turn, omega), dtype=float),
     }
-    return _dataset(run, fields, name)
+    return dataset(run, fields, name)
 
 
 def port_of(run: Any, part: Any, name: str | None) -> tuple[Port, str]:
@@ -100,50 +100,25 @@ def port_of(run: Any, part: Any, name: str | None) -> tuple[Port, str]:
     return port, port.called(str(called))
 
 
-def reaction_dataset(run: Any, joint: Any) -> xr.Dataset:
-    """What a joint exerts on its first part, at the place of its first port, dims (time, axis).
-
-    Args:
-        run: the Trajectory.
-        joint: a joint, guide or drive of the model, or its name.
-
-    Returns: a Dataset with force and moment, both in space.
-
-    Raises:
-        KeyError: there is no such joint.
-        ValueError: the run kept no reactions: elements have a degree above 1.
-    """
-    model = run.model
-    names = () if model is None else model.connection_names
-    found = [k for k, name in enumerate(names) if name == joint or model.connections[k] is joint]
-    if not found:
-        raise KeyError(f"the run has no joint {joint!r}; it has {', '.join(names) or 'none'}")
-    if run.observed.reactions is None:
-        raise ValueError(f"the rule {run.rule} gives no reactions; use one of elements of two nodes, such as verlet")
-    k, layout = found[0], run.outline.layout
-    port, exerted = model.connections[k].first, run.observed.reactions[:, found[0]]
-    p = _motion(run, _first(run, port) + port.node * by_name(run.rule).degree)[1]
-    force, moment = exerted[:, layout.dofs_of("x")], _rotate(p, exerted[:, layout.dofs_of("p")])
-    fields = {"force": force, "moment": moment - np.cross(_rotate(p, np.array(port.shift)), force)}
-    return _dataset(run, fields, names[k])
+def node_of(run: Any, port: Port) -> int:
+    """The node of a port among all nodes."""
+    return int(run._parts[run.model.name_of(port.part)].start) + port.node * by_name(run.rule).degree
 
 
-def _first(run: Any, port: Port) -> int:
-    return int(run._parts[run.model.name_of(port.part)].start)
-
-
-def _motion(run: Any, node: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def motion(run: Any, node: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Position, rotation, velocity and angular velocity of a node over the time."""
     layout, rates = run.outline.layout, run.observed.velocity[:, node]
     turned = run.outline.layout.representation.to_quaternion(run._values("p")[:, node])
     return run._values("x")[:, node], turned, rates[:, layout.dofs_of("x")], rates[:, layout.dofs_of("p")]
 
 
-def _rotate(p: np.ndarray, v: np.ndarray) -> np.ndarray:
+def rotate(p: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Vectors turned by rotations."""
     return np.asarray(quaternion.rotate(p, v), dtype=float)
 
 
-def _dataset(run: Any, fields: dict[str, np.ndarray], name: str) -> xr.Dataset:
+def dataset(run: Any, fields: dict[str, np.ndarray], name: str) -> xr.Dataset:
+    """Fields over the time with names and units, shape (m,), (m, 3) or (m, 4) each."""
     dims = {1: ("time",), 3: ("time", "axis"), 4: ("time", "wxyz")}
     variables = {
         key: (

@@ -4,7 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cayley.results.beside import forces_beside
+from cayley.results.elements import element_starts
 from cayley.results.frames import Frames
+from cayley.results.held import held_nodes, support_forces
 from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
@@ -25,7 +28,9 @@ class Observations:
         slopes: derivatives along the interval at the first point of each element, shape (m, nodes, dofs), that of an
             element at its left node.
         reactions: of each joint on its first node, body moment and force in space, shape (m, joints, dofs); None where
-            there are no joints, or elements have a degree above 1.
+            there are no joints.
+        held: nodes with held degrees of freedom, in rising order, shape (held,); None where there are none.
+        supports: of what holds these on them, body moment and force in space, shape (m, held, dofs), or None.
     """
 
     velocity: np.ndarray
@@ -35,6 +40,8 @@ class Observations:
     resultants: np.ndarray
     slopes: np.ndarray
     reactions: np.ndarray | None = None
+    held: np.ndarray | None = None
+    supports: np.ndarray | None = None
 
 
 def observe(system: System, frames: Frames) -> Observations:
@@ -65,15 +72,13 @@ def observe(system: System, frames: Frames) -> Observations:
             part[name][k] = by_node(system, data[1:-1], own)
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
     nothing = np.zeros_like(part["velocity"])
-    spatial, slopes = nothing, part.get("slopes", nothing)
-    reactions = None
+    spatial, slopes, exerted = nothing, part.get("slopes", nothing), {}
+    if system.equations.density.lagrangian.interval is not None:
+        exerted = _complete(system, frames, part)
+        if system.equations.rule.degree == 1:
+            spatial = resultants(system, frames, part)
     if system.equations.rule.degree > 1:
         strain, spatial, slopes = interpolated(system, frames, part["velocity"])
-    elif "left" in part:
-        part["point"] = spring_forces(system, frames, part["velocity"])
-        if system.equations.density.constraints.numel() or system.joints:
-            reactions = _add_constraint_forces(system, frames, part)
-        spatial = resultants(system, frames, part)
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
@@ -81,19 +86,48 @@ def observe(system: System, frames: Frames) -> Observations:
         load=load,
         resultants=spatial,
         slopes=slopes,
-        reactions=reactions if system.joints else None,
+        **exerted,
     )
 
 
-def _add_constraint_forces(system: System, frames: Frames, part: dict[str, np.ndarray]) -> np.ndarray:
-    """Add the forces of the multipliers to those of the elements and of points; returns those of joints."""
-    from_left = np.zeros_like(part["right"])
-    from_left[:, 1:] = part["right"][:, :-1]
-    total = part["left"] + from_left + part["load"] + part["point"] + sum(timed_loads(system, frames))
-    found = constraint_forces(system, frames, part["velocity"], total)
-    part["left"], part["right"] = part["left"] + found.left, part["right"] + found.right
-    part["point"] = part["point"] + found.point
-    return found.joints
+def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Complete the forces that the kernel observes: "left", "right", "load", and "point" on nodes alone.
+
+    Returns: reactions, held and supports of the Observations.
+    """
+    velocity, degree = part["velocity"], system.equations.rule.degree
+    beside = forces_beside(system, frames, velocity)
+    part["load"] += beside.outer
+    part["point"] = spring_forces(system, frames, velocity)
+    total = part["load"] + part["point"] + sum(timed_loads(system, frames))
+    if degree == 1:
+        part["left"] += beside.inner[:, :, 0]
+        part["right"] += beside.inner[:, :, 1]
+        _add_ends(system, total, np.stack([part["left"], part["right"]], axis=2))
+    else:
+        _add_ends(system, total, beside.inner)
+    found = {}
+    if system.joints or system.equations.density.constraints.numel():
+        pulled = constraint_forces(system, frames, velocity, total)
+        part["point"] += pulled.point
+        total += pulled.point
+        if degree == 1:
+            part["left"] += pulled.left
+            part["right"] += pulled.right
+            _add_ends(system, total, np.stack([pulled.left, pulled.right], axis=2))
+        if system.joints:
+            found["reactions"] = pulled.joints
+    held = held_nodes(system)
+    if len(held):
+        found |= {"held": held, "supports": support_forces(system, frames, velocity, total)}
+    return found
+
+
+def _add_ends(system: System, total: np.ndarray, ends: np.ndarray) -> None:
+    """Add forces of the elements on their nodes, each at its first one, (m, nodes, degree + 1, dofs)."""
+    starts = element_starts(system)
+    for end in range(ends.shape[2]):
+        total[:, starts + end] += ends[:, starts, end]
 
 
 __all__ = ["Frames", "Observations", "observe"]

@@ -4,6 +4,8 @@
     /time, /step, /kinetic_energy, /strain_energy, /load_energy                     (time)
     /work                of loads and forces, and loss, where accounted for         (time, cell, account)
     /reactions           of joints on their first nodes                             (time, joint, component)
+    /held                nodes that supports hold                                   (support)
+    /supports            what supports exert on these                               (time, support, component)
     /nodes               coordinates along the interval                             (node)
     /fields/NAME/value, momentum, velocity, and on an interval slope, resultant     (time, node, component)
     /loads/K/value       of each load of the model that is a function of time       (time, axis)
@@ -45,7 +47,7 @@ CHUNK_BYTES = 2**20
 """Size of a chunk before compression; a chunk holds all nodes of some frames."""
 
 _ENERGIES = {"kinetic": "kinetic_energy", "strain": "strain_energy", "load": "load_energy"}
-_OTHER = {*_ENERGIES, "reactions"}
+_OTHER = {*_ENERGIES, "reactions", "held", "supports"}
 _ON_INTERVAL = {"slope": "slopes", "resultant": "resultants"}
 _UNITS = {  # of a rod; what the fields of a Lagrangian of one's own mean, its author knows
     "x": {"value": "m", "velocity": "m/s", "momentum": "kg m/s", "slope": "1", "resultant": "N"},
@@ -147,6 +149,9 @@ def _write(run: Trajectory, path: Path) -> None:
         _put(root, {"memory": (None, frames.memory)}, ("node", "control", "row")[: frames.memory.ndim])
     if observed.reactions is not None:
         _put(root, {"reactions": (None, observed.reactions)}, ("time", "joint", "component"))
+    if observed.held is not None and observed.supports is not None:
+        _put(root, {"held": (None, observed.held)}, ("support",))
+        _put(root, {"supports": (None, observed.supports)}, ("time", "support", "component"))
     if frames.work is not None:
         _put(root, {"work": ("J", frames.work)}, ("time", "cell", "account"))
     for name in layout.fields:
@@ -223,7 +228,9 @@ def _read(root: Any, about: Mapping[str, Any]) -> tuple[Frames, Outline, Observa
     )
     arrays = {f.name: np.zeros((*count, layout.dofs)) for f in fields(Observations) if f.name not in _OTHER}
     energies = {key: _get(root, name, times.shape) for key, name in _ENERGIES.items()}
-    observed = Observations(**arrays, **energies, reactions=_optional(root, "reactions"))
+    held = _get(root, "held", root["held"].shape, kind=np.int64) if "held" in root else None
+    reactions, supports = (_optional(root, name) for name in ("reactions", "supports"))
+    observed = Observations(**arrays, **energies, reactions=reactions, held=held, supports=supports)
     for name in layout.fields:
         for key, part in _of_field(outline, name, frames, observed).items():
             part[:] = _get(root, f"fields/{name}/{key}", part.shape)  # a view into one of the arrays above

@@ -25,9 +25,10 @@ AXES = ["x", "y", "z"]
 class Trajectory:
     """What a run left: saved states, and everything that follows from them.
 
-    ``run[part]`` is a Dataset of a rod or body, ``run.port(part, name)`` one of a port, ``run.data`` one of all fields
-    by their names; energies and momenta are DataArrays over time. Quantities are evaluated from the saved states when
-    first asked for; those of a run opened from a store are read from it.
+    ``run[part]`` is a Dataset of a rod or body, ``run.port(part, name)`` one of a port, ``run.joint(joint)`` and
+    ``run.reaction(support)`` are those of forces, ``run.data`` has all fields by their names; energies and momenta are
+    DataArrays over time. Quantities are evaluated from the saved states when first asked for; those of a run opened
+    from a store are read from it.
     """
 
     def __init__(
@@ -152,19 +153,35 @@ class Trajectory:
 
         return port_dataset(self, *port_of(self, part, name))
 
-    def reaction(self, joint: Any) -> "xr.Dataset":
-        """Force [N] and moment [N m], in space, of a joint on its first part, at the first port.
+    def joint(self, joint: Any) -> "xr.Dataset":
+        """Force [N] and moment [N m] of a joint on its second side, in space, the moment about its place there.
+
+        Its first side has the opposite, of a joint to the ground the part.
 
         Args:
             joint: a joint, guide or drive of the model, or its name.
 
         Raises:
             KeyError: there is no such joint.
-            ValueError: the rule has elements of a degree above 1.
         """
-        from cayley.results.body import reaction_dataset
+        from cayley.results.reactions import joint_dataset
 
-        return reaction_dataset(self, joint)
+        return joint_dataset(self, joint)
+
+    def reaction(self, support: Any, name: str | None = None) -> "xr.Dataset":
+        """Force [N] and moment [N m] by which the ground holds a part, in space, the moment about the held place.
+
+        Args:
+            support: a support, or a joint to the ground or its name; or a place, for all that holds its node to the
+                ground together: a port, or a part or its name, with a name.
+            name: of a body's port, or "start" or "end" of a rod.
+
+        Raises:
+            KeyError: there is no such support or place, or nothing holds it to the ground.
+        """
+        from cayley.results.reactions import reaction_dataset
+
+        return reaction_dataset(self, support, name)
 
     def __repr__(self) -> str:
         """Say what ran."""

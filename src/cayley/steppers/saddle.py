@@ -77,35 +77,50 @@ class Reactions:
     forces: list[np.ndarray]
 
 
-def reactions(system: System, plan: Plan, state: State, force: np.ndarray, rates: list[np.ndarray]) -> Reactions:
+def saddle_problem(system: System) -> problem.Problem:
+    """What reactions() works on, for any number of calls."""
+    blank = State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs)), h=1.0)
+    return problem.make_problem(make_plan(system), blank, 1, 1)
+
+
+def reactions(
+    made: problem.Problem, values: np.ndarray, time: float, force: np.ndarray, rates: list[np.ndarray]
+) -> Reactions:
     """Multipliers that give accelerations the constraints allow.
 
     Args:
-        system: the system.
-        plan: made of it by make_plan.
-        state: values and time.
+        made: by saddle_problem; it is overwritten.
+        values: of all nodes, shape (nodes, rows).
+        time: the time [s].
         force: f on every node, left-trivialized, shape (nodes, dofs).
         rates: s of every kind of cells, shape (cells, gauss × count).
+
+    Returns: the Reactions; not numbers where the constraints are redundant, as at a dead center.
     """
-    made = problem.make_problem(plan, state if state.h else state.at_step(1.0), 1, 1)
-    call = ctypes.byref(made.struct)
-    made.engine.saddle_point(call, *_words(0, 0), ctypes.c_double(state.time))
+    plan, call = made.plan, ctypes.byref(made.struct)
+    made.arrays["control"][0, : plan.size] = values[plan.nodes]
+    for cells, arrays in zip(plan.constraints, made.couplings, strict=True):
+        if cells.drive is not None:
+            arrays["drive"][0, 0] = cells.drive(np.array([time]))[0]
+    failed = made.engine.saddle_point(call, *_words(0, 0), ctypes.c_double(time))
     unknown, place = made.arrays["unknown"], made.arrays["place"]
     unknown[:] = 0.0
-    dofs = np.arange(system.layout.dofs)
-    unknown[place[:, None] + dofs] = np.where(system.free, force, 0.0)[plan.nodes]
+    dofs = np.arange(plan.system.layout.dofs)
+    unknown[place[:, None] + dofs] = np.where(plan.system.free, force, 0.0)[plan.nodes]
     for arrays, rate in zip(made.couplings, rates, strict=True):
         unknown[arrays["spot"][:, None] + np.arange(rate.shape[1])] = rate
     addresses = [ctypes.c_void_p(made.arrays[name].ctypes.data) for name in ("matrix", "pivots", "unknown")]
     made.engine.solve(ctypes.c_int64(plan.blocks.fronts), *addresses)
+    if failed:
+        unknown[:] = np.nan
     acceleration = np.zeros_like(force)
     acceleration[plan.nodes] = unknown[place[:, None] + dofs]
     multipliers = _multipliers(made)
     forces = []
-    for (cells, values), arrays in zip(multipliers, made.couplings, strict=True):
+    for (cells, found), arrays in zip(multipliers, made.couplings, strict=True):
         slopes = np.moveaxis(arrays["slopes"], -1, 1)  # (blocks, lanes, together, width, dofs)
         slopes = slopes.reshape(-1, *slopes.shape[2:])[: len(cells.nodes)]
-        forces.append(-values[:, :, None, None] * slopes)
+        forces.append(-found[:, :, None, None] * slopes)
     return Reactions(acceleration, multipliers, forces)
 
 
