@@ -240,7 +240,7 @@ def _between(
     signature = repr(system.layout)
     return {
         "programs": programs,
-        "kernels": tuple(compiled(one, system.kernels.lanes, signature) for one in programs),
+        "kernels": tuple(_kernel(one, system.kernels.lanes, signature) for one in programs),
         "uniforms": np.zeros(0),
         "nodes": local[np.array([(tie.first, tie.second) for tie in ties])],
         "phi": np.array([[1.0, 0.0]]),
