@@ -262,3 +262,14 @@ __all__ = [
     "spring_cells",
     "term_cells",
 ]
+
+
+_KERNELS: dict[tuple[str, int, str], Kernel] = {}
+"""Kernels of joints and springs that this process has loaded."""
+
+
+def _kernel(program: Program, lanes: int, signature: str) -> Kernel:
+    key = (program.name, lanes, signature)
+    if key not in _KERNELS:
+        _KERNELS[key] = compiled(program, lanes, signature)
+    return _KERNELS[key]
