@@ -1,6 +1,7 @@
 """Build hook: compile the C sources of cayley.steppers.native, once for every vector width of the processor family.
 
-Run as a script it compiles those libraries that are not of the present sources, or older than this file.
+As a script, and for an editable install, it compiles those libraries that are not of the present sources, or older than
+this file.
 The compiler is $CC, else the system's cc, else the one that comes as the package ziglang. docs/adr/0007 says why.
 """
 
@@ -31,8 +32,8 @@ class Engine(BuildHookInterface):
         return [] if _system_compiler() else ["ziglang>=0.14"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile and add the libraries to the wheel."""
-        compile_engine(Path(self.root) / FOLDER)
+        """Compile and add the libraries to the wheel; an editable install keeps those that are up to date."""
+        compile_engine(Path(self.root) / FOLDER, outdated=version == "editable")
         build_data["artifacts"].append(f"{FOLDER}/*.so")
         build_data["pure_python"] = False
         build_data["infer_tag"] = True

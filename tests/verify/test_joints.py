@@ -2,6 +2,7 @@
 "ways."""
 
 import functools
+import itertools
 
 import numpy as np
 import pytest
@@ -204,6 +205,26 @@ def test_bushing_between_two_bodies(rule):
         assert np.ptp(run.angular_momentum.values, axis=0).max() < 1e-13
         lost = run.energy.values[0] - run.energy.values[-1]
         assert abs(lost) < 1e-4 if np.ndim(damping) == 0 else lost > 0.01
+
+
+@pytest.mark.parametrize("rule", [rules.verlet, rules.nodal, rules.spectral(space=2)], ids=str)
+@pytest.mark.parametrize("damped", [0.0, 1.0])
+@pytest.mark.parametrize("hung", [False, True])
+def test_springs_on_a_damped_rod(rule, damped, hung):
+    """The velocities that damping in the rod takes, predicted by explicit rules, know springs: order 2."""
+    rubber = cy.Material(density=1100.0, youngs_modulus=2e6, poisson_ratio=0.5)
+    section = cy.Section.circle(0.05, rubber)
+    rod = cy.Rod(section, length=1.0, elements=4, damping=cy.damping.retardation(1e-3), name="rod")
+    bob = cy.Body(mass=0.5, inertia=[0.01] * 3, position=(0, 0, 1.2), name="bob")
+    ties = [springs.linear(rod.node(2), bob.centre, stiffness=100.0, damping=damped)]
+    joined = [joints.ball(rod.end, bob.centre.offset((0, 0, -0.2)))] if hung else []
+    pulled = [loads.gravity((1.0, 1.0, -9.81))]
+    model = cy.Model(rod, bob, supports=[supports.clamp(rod.start)], joints=joined, springs=ties, loads=pulled)
+    runs = [cy.simulate(model, 0.1, dt, rule=rule, save_every=0.05) for dt in (1e-3, 5e-4, 2.5e-4, 1.25e-4)]
+    changes = [np.abs(b.frames.values[-1] - a.frames.values[-1]).max() for a, b in itertools.pairwise(runs)]
+    assert np.log2(changes[-2] / changes[-1]) == pytest.approx(2.0, abs=0.2)
+    defects = [float(np.abs(run.energy_balance.defect).max()) for run in runs]
+    assert np.log2(defects[-2] / defects[-1]) == pytest.approx(2.0, abs=0.3)
 
 
 def test_springs_restrict_no_candidate():

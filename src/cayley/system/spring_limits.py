@@ -42,12 +42,18 @@ def spring_columns(system: System, values: np.ndarray, roots: np.ndarray) -> tup
         roots: M^(−½) of the nodes, zero where held, shape (nodes, dofs, dofs).
 
     Returns: B and E, shape (nodes × dofs, k) each.
+
+    Raises:
+        FloatingPointError: a spring has no finite derivatives, such as a twist about e3 after half a turn about e1.
     """
     stiff, damped = [], []
     for kind, grounded in sorted({(spring.kind, spring.grounded) for spring in system.springs}):
         alike = [spring for spring in system.springs if (spring.kind, spring.grounded) == (kind, grounded)]
         ends = np.array([[s.first, s.second][: 2 - grounded] for s in alike])
-        stiffness, damping = _matrices(system.layout, alike, values)
+        with np.errstate(all="ignore"):  # what is not finite is looked for
+            stiffness, damping = _matrices(system.layout, alike, values)
+        if not (np.isfinite(stiffness).all() and np.isfinite(damping).all()):
+            raise FloatingPointError(f"a {kind} spring has no finite derivatives here")
         stiff.append(_columns(stiffness, ends, roots))
         damped.append(_columns(damping, ends, roots))
     return csc_array(hstack(stiff)), csc_array(hstack(damped))

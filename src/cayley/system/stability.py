@@ -40,10 +40,13 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
         rates: velocities there, shape (nodes, dofs); at rest without them. They count with forces that depend on them.
         enough: stop at the first bound if it already allows this step [s].
 
-    Returns: the step [s]; infinite where nothing oscillates.
+    Returns: the step [s]; infinite where nothing oscillates, not a number where springs have no finite derivatives.
     """
     masses, stiffness = _matrices(system, values)
-    springs, dampers = _tied(system, values, masses)
+    try:
+        springs, dampers = _tied(system, values, masses)
+    except FloatingPointError:
+        return float("nan")
     damping: tuple[np.ndarray, np.ndarray] | None = None
     if system.equations.density.force is not None:
         motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates

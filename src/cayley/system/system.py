@@ -175,7 +175,8 @@ class System:
             state: the state; without one a straight, unstrained reference.
             enough: a step [s] that would do: a limit found to be above it need not be sharp.
 
-        Returns: the step [s]; infinite for a system without strain and load, and for implicit rules.
+        Returns: the step [s]; infinite for a system without strain, load and springs, and for implicit rules; not a
+            number where a spring has no derivatives.
         """
         if self.equations.rule.implicit:
             return float("inf")

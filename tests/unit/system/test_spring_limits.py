@@ -10,7 +10,7 @@ from cayley import joints, springs, supports
 from cayley.discrete.rules import verlet
 from cayley.system.discretize import discretize
 from cayley.system.stability import _inverse_roots, _matrices
-from cayley.system.system import System
+from cayley.system.system import State, System
 from unit.system.rods import round_rod
 
 MASS, INERTIA, STIFFNESS = 2.0, (0.1, 0.2, 0.3), 50.0
@@ -113,6 +113,18 @@ def dense(system: System) -> float:
     for k in range(n):
         scale[k * d : (k + 1) * d, k * d : (k + 1) * d] = roots[k]
     return float(np.linalg.eigvalsh(scale @ whole @ scale)[-1])
+
+
+def test_where_a_spring_has_no_derivative():
+    """A twist about an axis, half a turn about another: nothing is said, and a run without dt asks for it."""
+    body = cy.Body(mass=MASS, inertia=INERTIA)
+    model = cy.Model(body, springs=[springs.rotational(body.centre, axis=(0, 0, 1), stiffness=3.0)])
+    system = discretize(model, verlet)
+    values = system.reference.copy()
+    values[0, system.layout.rows_of("p")] = (0.0, 1.0, 0.0, 0.0)
+    assert np.isnan(system.stable_dt(State(values=values, momenta=np.zeros((1, 6)))))
+    with pytest.raises(ValueError, match=r"give dt \[s\]$"):
+        cy.simulate(model, 1.0, initial={body: {"rotation": (0.0, 1.0, 0.0, 0.0)}})
 
 
 def test_joints_alone_have_no_limit():

@@ -76,9 +76,9 @@ static void put_momenta(struct explicit_run *e, const double *momenta)
     }
 }
 
-/* Let the predicted velocities of constrained nodes know springs and dampers, which pushed them for a time ``half``, too,
- * and satisfy the constraints: M v + G' n = M v* + half F, G v = rate. */
-static void constrain_predicted(struct explicit_run *e, i64 number, i64 i, double half)
+/* Let the predicted velocities know springs and dampers, whose forces f act for ``half`` a step as the others the kernel
+ * knows, and satisfy the constraints: M v + G' n = M v* + half f, G v = rate. */
+static void complete_predicted(struct explicit_run *e, i64 number, i64 i, double half)
 {
     struct problem *p = e->problem;
     for (i64 n = 0; n < p->nodes; n++) {
@@ -89,6 +89,7 @@ static void constrain_predicted(struct explicit_run *e, i64 number, i64 i, doubl
     multiply_mass(p, p->velocity, p->momenta);
     if (half > 0.0 && p->terms > p->inertia) {
         add_ties(p, 0, 0, half, p->momenta);
+        velocities(p, number, i, p->h, p->momenta, p->velocity);
         add_ties(p, 1, p->velocity, half, p->momenta);
     }
     velocities(p, number, i, p->h, p->momenta, p->velocity);
@@ -112,7 +113,7 @@ static void kick(struct explicit_run *e, i64 number, double part, i64 known, i64
         load(e, number, 1.0);
         double *u = times(e, 2, e->predict_setup, known ? 0.0 : p->h, number, number + 1);
         ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
-        constrain_predicted(e, number_of, i, known ? 0.0 : 0.5 * p->h);
+        complete_predicted(e, number_of, i, known ? 0.0 : 0.5 * p->h);
     }
     double *u = times(e, 0, e->kick_setup, part, number, number);
     ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
