@@ -7,6 +7,8 @@ from numpy.testing import assert_allclose
 import cayley as cy
 from cayley import joints, loads, rules, springs, supports
 from cayley.lie import quaternion
+from cayley.steppers.saddle import reactions, saddle_problem
+from cayley.system.discretize import discretize
 
 G = np.array([0.0, 0.0, -9.81])
 RUBBER = cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)
@@ -96,3 +98,18 @@ def test_kept_in_the_store(tmp_path):
         assert ask(opened).identical(ask(run))
     with pytest.raises(KeyError, match="the run has no joint 'hinge'; it has swivel"):
         opened.joint("hinge")
+
+
+def test_forces_that_are_not_unique_are_no_numbers():
+    """Two links whose anchors and body come to stand in one line pull against each other as they like."""
+    body = cy.Body(mass=1.0, inertia=[1, 1, 1], position=(0, 0, 0), name="body")
+    anchors = [(1.0, 0, 0), (0, 1.0, 0)]
+    links = [joints.rigid_link(body.centre, cy.ground.at(place)) for place in anchors]
+    system = discretize(cy.Model(body, joints=links), rules.verlet)
+    made, columns = saddle_problem(system), system.layout.dofs_of("x")
+    values, force, rates = system.reference.copy(), np.zeros((1, 6)), [np.zeros((2, 1))]
+    force[0, columns] = (1.0, 2.0, 0.0)
+    pulls = reactions(made, values, 0.0, force, rates).forces[0][:, 0, 0, columns]
+    assert_allclose(pulls, [(-1.0, 0, 0), (0, -2.0, 0)], atol=1e-14)
+    values[0, system.layout.rows_of("x")] = (0.5, 0.5, 0.0)
+    assert np.isnan(reactions(made, values, 0.0, force, rates).forces[0]).all()
