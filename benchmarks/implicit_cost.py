@@ -1,6 +1,6 @@
 """Microseconds per element and Newton iteration of the rule ``midpoint``, from 20 to 100 000 elements.
 
-One iteration assembles residual and tangent of every element, factors the block tridiagonal matrix along the chain and
+One iteration assembles residual and tangent of every element, factors the matrix along the chain and
 moves the nodes. The time of the whole loop is divided by the iterations taken, so that it holds all other work too:
 first guess, loads, and the one more assembly at the end of a step, which gives the new momenta.
 """
@@ -16,8 +16,9 @@ import numpy as np
 from harness import spread, write
 
 import cayley as cy
-from cayley.steppers import onestage_plan
+from cayley.steppers import implicit_run
 from cayley.steppers.outcome import Outcome
+from cayley.steppers.problem import field_table
 from cayley.system.discretize import discretize, initial_values
 from cayley.system.legendre import initial_state
 from cayley.system.system import State, System
@@ -81,14 +82,15 @@ def steps(elements: int) -> int:
 def run(given: Problem, count: int) -> Run:
     """Take a number of steps."""
     system, state = given.system, given.state
-    plan = onestage_plan.make_plan(system, state)
+    plan = implicit_run.make_plan(system)
     frames = np.empty((1, system.size, system.layout.rows + system.layout.dofs))
     began = time.perf_counter()
-    outcome, reached, counts, *_ = onestage_plan.advance(system, plan, state, count, frames)
+    call = implicit_run.advance(plan, state, count, frames)
+    outcome, reached, counts = call.outcome, call.reached, call.counts
     wall_time = time.perf_counter() - began
     if outcome is not Outcome.FINISHED or reached != 1:
         raise RuntimeError(f"{count} steps at {system.size - 1} elements ended as {outcome} at step {counts[2]}")
-    field = next(row for row in onestage_plan.field_table(system) if not row[0])  # the position
+    field = next(row for row in field_table(system) if not row[0])  # the position
     tip = frames[0, -1, field[1] : field[1] + 3]
     return Run(wall_time, int(counts[0]), int(counts[1]), tuple(tip.tolist()))
 

@@ -17,6 +17,9 @@ from cayley.system.system import State, System, aligned
 
 HISTORY = 4
 """Iterations that a failure tells of."""
+TANGENT_COST, TANGENT_SIZE = 2.0, 15.0
+"""Cost of an evaluation with tangent and factorization over that of one without, for small blocks, and the size of a
+block from which on factorization prevails: 2.5 to 3 for blocks of 6, about 10 for galerkin(time=3, space=3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,6 +231,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
         "dofs": layout.dofs,
         "fields": len(arrays["field"]),
         "stages": stages,
+        "tangent_cost": TANGENT_COST * (1.0 + float(plan.blocks.sizes.max()) / TANGENT_SIZE),
         "extent": 1.0 / reach(plan.system),
         "term": ctypes.addressof(parts[0]),
         "terms": len(terms),

@@ -128,6 +128,7 @@ struct problem {
     double *free;        /* 1, or 0 where held, [nodes + 1][dofs] */
     i64 *place;          /* first unknown of a node, [nodes] */
     i64 *diagonal;       /* where the diagonal entry of every unknown stands in the matrix, [unknowns] */
+    double tangent_cost; /* of an evaluation with tangent and factorization, in those of one without */
     double extent;       /* what a correction of positions is measured by, its inverse [1/m] */
     struct term *term;
     i64 terms;

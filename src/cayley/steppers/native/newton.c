@@ -21,7 +21,8 @@ static const i64 QUICK_ITERATIONS = 20;
 static const i64 ITERATIONS = 60; /* most iterations of the first try of a step, and of the careful ones */
 static const double STEP_TOLERANCE = 1e-9;  /* with a new tangent the next correction would be about the square */
 static const double LEFT_TOLERANCE = 1e-16; /* what corrections with one tangent may leave in all */
-static const double SLOW = 0.15;            /* a rate of corrections that asks for a new tangent */
+static const double SLOW = 0.15;            /* a rate of corrections that asks for a new tangent whatever it costs */
+static const double SMALL_CORRECTION = 1e-5; /* with a new tangent one more correction is enough */
 static const double FLOOR = 1e-6;           /* below, a correction that no longer shrinks is rounding */
 static const double LARGEST_TURN = 1.0;     /* longest correction of a rotation [rad] */
 static const double LARGEST_GROWTH = 2.0;   /* a correction so many times the one before is too long */
@@ -81,6 +82,15 @@ static void keep_multipliers(struct problem *p)
     }
 }
 
+/* Whether a new tangent is cheaper than the corrections that this one still needs: at its rate, or, where there is none
+ * yet, at the rate of the nonlinearity, which is about the size of the correction. */
+static i64 tangent_pays(struct problem *p, double size, double rate)
+{
+    double rate_to_come = rate > 0.0 ? rate : size < SLOW ? size : SLOW;
+    double left = log(LEFT_TOLERANCE / size) / log(rate_to_come);
+    return left > p->tangent_cost * (size > SMALL_CORRECTION ? 2.0 : 1.0);
+}
+
 /* Solve one step; returns whether it converged, or SINGULAR if there is no first correction.
  *
  * Stiff structures converge fast but not monotonically, so full corrections come first, with a new tangent only where the
@@ -128,7 +138,7 @@ static i64 newton(struct problem *p, i64 number, double begin, double h, i64 car
             assemble(p, number, begin, h, 0); /* momenta of the corrected nodes, and what is left */
             return 1;
         }
-        fresh = careful || rate > SLOW;
+        fresh = careful || rate > SLOW || tangent_pays(p, size, rate);
         last = size;
     }
     return 0;
