@@ -13,7 +13,7 @@ from cayley.lie import quaternion
 from laws.test_frame_indifference import shifts, turns
 from verify.assemblies import RUBBER
 
-LAW = settings(deadline=None, max_examples=6, derandomize=True)
+LAW = settings(deadline=None, max_examples=3, derandomize=True)
 STEPS, STEP = 20, 1e-3
 HERE = (np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3))
 SECTION = cy.Section.circle(0.05, RUBBER)

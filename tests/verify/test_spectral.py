@@ -35,7 +35,7 @@ def test_order_in_space(degree, meshes, exact_block):
     assert abs(observed - 2 * degree) < 0.3, (observed, errors)
 
 
-@pytest.mark.parametrize("degree", [2, 3, 5])
+@pytest.mark.parametrize("degree", [2, 4])
 def test_order_in_time(degree):
     exact = block(4, degree, dt=6e-4 / 1024)
     assert_order([np.linalg.norm(block(4, degree, dt=6e-4 / steps) - exact) for steps in (16, 32, 64, 128)])
@@ -57,7 +57,7 @@ def busy():
     return cy.Model(a, b, supports=held, loads=acting)
 
 
-@pytest.mark.parametrize("degree", [2, 3, 6])
+@pytest.mark.parametrize("degree", [2, 4])
 def test_limit_is_that_of_the_galerkin_rule(degree):
     """Both rules are one discretization in space: with finer steps they meet, with order 2."""
     model, t_end = busy(), 0.02
@@ -118,7 +118,7 @@ def test_momentum_maps(degree, rotation):
     assert np.ptp(energy) < 1e-5 * abs(energy[0])
 
 
-@pytest.mark.parametrize("degree", [2, 4, 8])
+@pytest.mark.parametrize("degree", [2, 5])
 def test_step_limit(degree):
     """Just below it noise stays, just above it grows without end."""
     rod, model = thick_rod(5)
@@ -167,7 +167,7 @@ def test_tip_of_the_rubber_pendulum(degree, elements, error):
     assert run.dt > 1e-4
 
 
-@pytest.mark.parametrize("degree", [1, 2, 7])
+@pytest.mark.parametrize("degree", [1, 2, 5])
 def test_structure_is_told(degree):
     _, model = thick_rod(3)
     system = cy.simulate(model, 1e-3, rule=spectral(space=degree)).system
