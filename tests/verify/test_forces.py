@@ -86,7 +86,6 @@ def test_order_of_motion_and_balance(rule, rotation):
     ("rule", "steps", "order"),
     [
         (cy.rules.midpoint, [40, 80, 160], 2),
-        (cy.rules.screw_midpoint, [40, 80, 160], 2),
         (cy.rules.galerkin(time=2), [20, 40, 80], 4),
         (cy.rules.galerkin(time=2, space=2), [20, 40, 80], 4),
         (cy.rules.galerkin(time=3), [20, 40], 6),
