@@ -11,6 +11,7 @@ from cayley.lie import quaternion
 from cayley.model import validate
 from cayley.model.motion import Motion, Table, motion, motion_at, shown_motion
 from cayley.model.port import Ground, Port, ground
+from cayley.model.tie import Side, Tie
 from cayley.model.validate import Array, Triple
 
 __all__ = [
@@ -25,8 +26,6 @@ __all__ = [
     "universal",
     "weld",
 ]
-
-Side = Port | Ground
 
 KINDS: dict[str, tuple[str, ...]] = {
     "weld": (),
@@ -51,7 +50,7 @@ _UNITS = {"angle": (1, "rad"), "displacement": (1, "m"), "position": (3, "m"), "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Joint:
+class Joint(Tie):
     """A joint of two ports, or of a port and the ground; made by `weld`, `ball`, `hinge`, ...
 
     It is as it stands at the start: there the angle and the displacement are zero, and welded parts keep the relative
@@ -126,30 +125,6 @@ class Joint:
             where = "" if self.second.position is None else f" {str(self.second).removeprefix('ground ')}"
             return f"{self.kind} of {first} to ground{where}"
         return f"{self.kind} of {first} and {second}"
-
-    @property
-    def grounded(self) -> bool:
-        """Whether the second side is the ground."""
-        return isinstance(self.second, Ground)
-
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        """The one or two ports."""
-        return (self.first, self.second) if isinstance(self.second, Port) else (self.first,)
-
-    @property
-    def points(self) -> tuple[Array, Array]:
-        """The points of either side in space at the start [m], shape (3,) each."""
-        first = self.first.place[0]
-        if isinstance(self.second, Port):
-            return first, self.second.place[0]
-        return first, first if self.second.position is None else np.array(self.second.position)
-
-    @property
-    def distance(self) -> float:
-        """Distance of the two points at the start [m]."""
-        first, second = self.points
-        return float(np.linalg.norm(second - first))
 
     @property
     def frame(self) -> Array:

@@ -9,8 +9,9 @@ import numpy as np
 
 from cayley.lie import quaternion
 from cayley.model import validate
-from cayley.model.joints import Side, axis_frame
+from cayley.model.joints import axis_frame
 from cayley.model.port import Ground, Port, ground
+from cayley.model.tie import Side, Tie
 from cayley.model.validate import Array, Triple
 
 __all__ = ["Spring", "bushing", "linear", "rotational"]
@@ -20,7 +21,7 @@ _BUSHING = "along e1, e2, e3 and about them [N/m, N m/rad]"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Spring:
+class Spring(Tie):
     """A spring, a damper, or both side by side; made by `linear`, `rotational` and `bushing`.
 
     linear:      V = ½ k (ℓ − ℓ₀)²,  F = −c ℓ̇        with ℓ the distance of the two points
@@ -88,30 +89,6 @@ class Spring:
     def called(self, first: str, second: str) -> str:
         """Kind and sides, if these have such names."""
         return f"{self.kind} spring of {first} and {second}"
-
-    @property
-    def grounded(self) -> bool:
-        """Whether the second side is the ground."""
-        return isinstance(self.second, Ground)
-
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        """The one or two ports."""
-        return (self.first, self.second) if isinstance(self.second, Port) else (self.first,)
-
-    @property
-    def points(self) -> tuple[Array, Array]:
-        """The points of either side in space at the start [m], shape (3,) each."""
-        first = self.first.place[0]
-        if isinstance(self.second, Port):
-            return first, self.second.place[0]
-        return first, first if self.second.position is None else np.array(self.second.position)
-
-    @property
-    def distance(self) -> float:
-        """Distance of the two points at the start [m]."""
-        first, second = self.points
-        return float(np.linalg.norm(second - first))
 
     @property
     def frame(self) -> Array:

@@ -1,6 +1,5 @@
 """Cells as the arrays of struct term and struct coupling of engine.h, laid out in lanes."""
 
-import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -111,7 +110,6 @@ def _shared(plan: "Plan", cells: Cells, times: int) -> dict[str, Any]:
     fill_up = np.minimum(np.arange(padded), count - 1)  # lanes without a cell repeat the last, with no weight
     weight = np.where(np.arange(padded)[:, None] < count, cells.weight[fill_up], 0.0)
     tables = [_uniforms(cells, kernel, times) for kernel in cells.kernels]
-    starts, entries = _second_derivatives(plan, cells)
     return {
         "uniforms": tables[0],
         "uniform_width": tables[0].shape[1],
@@ -124,8 +122,8 @@ def _shared(plan: "Plan", cells: Cells, times: int) -> dict[str, Any]:
         "width": width,
         "gauss": cells.gauss,
         "slots": cells.slots,
-        "starts": starts,
-        "entries": entries,
+        "starts": cells.starts,
+        "entries": cells.entries,
         "nodes": np.ascontiguousarray(cells.nodes[fill_up], dtype=np.int64),
         "phi": np.ascontiguousarray(cells.phi),
         "psi": np.ascontiguousarray(cells.psi),
@@ -146,25 +144,6 @@ def _places(plan: "Plan", nodes: np.ndarray) -> np.ndarray:
     inner = base[:, :, None] * found[..., 1] + base[:, None, :]
     found[..., 0] = np.where(found[..., 0] < 0, -1, found[..., 0] + inner)
     return np.ascontiguousarray(found)
-
-
-def _second_derivatives(plan: "Plan", cells: Cells) -> tuple[np.ndarray, np.ndarray]:
-    """Entries that are not always zero, slot by slot: of a Hessian (its upper triangle is stored) or a Jacobian."""
-    rows, program = plan.system.layout.rows, cells.programs[0]
-    slots_in, slots_out = cells.slots * (1 + cells.rates), cells.slots * (1 + cells.rated)
-    size = slots_in * rows
-    first = program.rows - (slots_out * rows * size if cells.force else size * (size + 1) // 2)
-    filled = {row for row, value in program.stores if not value.is_zero()}
-    starts, entries = [0], []
-    for out, inner in itertools.product(range(slots_out), range(slots_in)):
-        for i, j in itertools.product(range(rows), range(rows)):
-            row, column = out * rows + i, inner * rows + j
-            low, high = (row, column) if cells.force else sorted((row, column))
-            where = low * size + high if cells.force else low * size - low * (low - 1) // 2 + high - low
-            if first + where in filled:
-                entries.append((i * rows + j, first + where))
-        starts.append(len(entries))
-    return np.array(starts, dtype=np.int64), np.array(entries, dtype=np.int64).reshape(-1, 2)
 
 
 def _held(plan: "Plan", cells: Cells) -> np.ndarray:

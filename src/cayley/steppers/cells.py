@@ -1,7 +1,8 @@
 """Cells of the compiled steppers: where terms of the action, forces and constraints are evaluated, by what kernels."""
 
+import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,8 @@ class Cells:
         driver: which driven cell a cell is, or −1, shape (cells,).
         names: what joints and springs are called.
         alternating: whether forces of its multipliers can make rotations alternate from node to node (see couplings.c).
+        starts: first of the entries of every pair of slots, one more behind the last.
+        entries: place in the pair and row of the kernel of second derivatives that are not always zero, shape (k, 2).
     """
 
     programs: tuple[Program, Program]
@@ -62,6 +65,14 @@ class Cells:
     driver: np.ndarray | None = None
     names: tuple[str, ...] = ()
     alternating: bool = False
+    starts: np.ndarray = field(init=False, repr=False)
+    entries: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Find the second derivatives that are not always zero: once, not in every call of a driver."""
+        starts, entries = _second_derivatives(self)
+        object.__setattr__(self, "starts", starts)
+        object.__setattr__(self, "entries", entries)
 
     @property
     def gauss(self) -> int:
@@ -273,3 +284,23 @@ def _kernel(program: Program, lanes: int, signature: str) -> Kernel:
     if key not in _KERNELS:
         _KERNELS[key] = compiled(program, lanes, signature)
     return _KERNELS[key]
+
+
+def _second_derivatives(cells: Cells) -> tuple[np.ndarray, np.ndarray]:
+    """Entries that are not always zero, slot by slot: of a Hessian (its upper triangle is stored) or a Jacobian."""
+    program = cells.programs[0]
+    slots_in, slots_out = cells.slots * (1 + cells.rates), cells.slots * (1 + cells.rated)
+    rows = (len(program.lanes) - cells.constant.shape[-1] - cells.count) // slots_in  # of a node
+    size = slots_in * rows
+    first = program.rows - (slots_out * rows * size if cells.force else size * (size + 1) // 2)
+    filled = {row for row, value in program.stores if not value.is_zero()}
+    starts, entries = [0], []
+    for out, inner in itertools.product(range(slots_out), range(slots_in)):
+        for i, j in itertools.product(range(rows), range(rows)):
+            row, column = out * rows + i, inner * rows + j
+            low, high = (row, column) if cells.force else sorted((row, column))
+            where = low * size + high if cells.force else low * size - low * (low - 1) // 2 + high - low
+            if first + where in filled:
+                entries.append((i * rows + j, first + where))
+        starts.append(len(entries))
+    return np.array(starts, dtype=np.int64), np.array(entries, dtype=np.int64).reshape(-1, 2)

@@ -13,6 +13,7 @@ from cayley.steppers.arrays import coupling_arrays, term_arrays
 from cayley.steppers.blocks import Blocks
 from cayley.steppers.cells import Cells
 from cayley.steppers.native import fill, library, structure
+from cayley.system.redundancy import ground_values
 from cayley.system.system import State, System, aligned
 
 HISTORY = 4
@@ -184,7 +185,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
     starts = plan.blocks.starts
     control = np.zeros((stages + 1, *values))
     control[:, :nodes] = state.values[plan.nodes]
-    control[:, nodes] = ground_values(plan.system)
+    control[:, nodes] = ground_values(layout)
     memory = np.zeros((stages, *values))
     memory[:, nodes] = control[0, nodes]
     couplings = [coupling_arrays(plan, cells, k, steps, state, starts) for k, cells in enumerate(plan.constraints)]
@@ -261,15 +262,6 @@ def _room(plan: Plan) -> int:
     width = max(cells.nodes.shape[1] for cells in (*plan.terms, *plan.constraints))
     controls = 2 * (plan.stages + 1) * width * rows
     return controls + (plan.stages**2 + 4) * rows**2 + rows * dofs + dofs**2 + rows + 16
-
-
-def ground_values(system: System) -> np.ndarray:
-    """Values of the node that stands for the ground: rotations one, vectors zero, shape (rows,)."""
-    layout = system.layout
-    found = np.zeros(layout.rows)
-    for name in layout.rotations:
-        found[layout.rows_of(name).start] = 1.0
-    return found
 
 
 def field_table(system: System) -> np.ndarray:

@@ -12,8 +12,6 @@ GROUND = -1
 """In place of the second node."""
 STILL = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
 """No prescribed motion: d = 0, r = 1."""
-GROUND_POSE = {"p": (1.0, 0.0, 0.0, 0.0), "x": (0.0, 0.0, 0.0)}
-"""Values of the ground where a program reads those of a second node."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,4 +94,4 @@ def joint_inputs(joint: Coupling, values: np.ndarray, ground: np.ndarray, time: 
     return np.concatenate([values[joint.first], other, joint.parameters, joint.motion(np.array([time]))[0]])
 
 
-__all__ = ["DRIVE", "GROUND", "GROUND_POSE", "STILL", "Coupling", "Elastic", "joint_inputs"]
+__all__ = ["DRIVE", "GROUND", "STILL", "Coupling", "Elastic", "joint_inputs"]

@@ -12,7 +12,7 @@ from cayley.density.expression import symbols, to_sx
 from cayley.discrete.joint import DIRECTIONS, evaluator, joint_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import tangent
-from cayley.system.couplings import GROUND_POSE, Coupling, joint_inputs
+from cayley.system.couplings import Coupling, joint_inputs
 
 TOLERANCE = 1e-8
 """Of a row of length one, what is left outside the span of others below this is round-off."""
@@ -78,10 +78,10 @@ def joint_slopes(layout: Layout, values: np.ndarray, joints: Sequence[Coupling])
 
 
 def ground_values(layout: Layout) -> np.ndarray:
-    """Values of the ground in place of those of a node, shape (rows,)."""
+    """Values of the ground in place of those of a node: rotations one, vectors zero, shape (rows,)."""
     found = np.zeros(layout.rows)
-    for name, value in GROUND_POSE.items():
-        found[layout.rows_of(name)] = value
+    for name in layout.rotations:
+        found[layout.rows_of(name)] = layout.representation.from_quaternion(np.array([1.0, 0.0, 0.0, 0.0]))
     return found
 
 

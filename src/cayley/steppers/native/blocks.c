@@ -189,8 +189,6 @@ void release_blocks(i64 fronts)
 
 i64 matrix_size(i64 fronts) { return ((struct fronts *)fronts)->total; }
 
-i64 pivot_count(i64 fronts) { return ((struct fronts *)fronts)->unknowns; }
-
 void unknown_starts(i64 fronts, i64 *start)
 {
     struct fronts *f = (struct fronts *)fronts;
@@ -249,22 +247,27 @@ static i64 row_scales(const double *a, i64 n, i64 stride, const double *watch, d
     return 0;
 }
 
-/* LU in place, rows of ``stride`` doubles (whole vectors); the pivot of a column is the largest of its entry relative to
- * the row it stands in. Returns 0, or 1 + the column that has none. */
+/* Row of the pivot of a column: where its entry is largest relative to the row it stands in; -1 where there is none. */
+static inline i64 find_pivot(const double *a, i64 n, i64 stride, const double *scale, i64 c)
+{
+    i64 best = c;
+    double most = -1.0;
+    for (i64 i = c; i < n; i++) {
+        double size = __builtin_fabs(a[i * stride + c]) * scale[i];
+        if (size > most) most = size, best = i;
+    }
+    return most > 1e-14 ? best : -1;
+}
+
+/* LU in place, rows of ``stride`` doubles (whole vectors), pivots by find_pivot. Returns 0, or 1 + the column that has none. */
 i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots, const double *watch)
 {
     double scale[n];
     i64 zero = row_scales(a, n, stride, watch, scale);
     if (zero) return zero;
     for (i64 c = 0; c < n; c++) {
-        i64 best = c;
-        double most = -1.0;
-        for (i64 i = c; i < n; i++) {
-            double size = __builtin_fabs(a[i * stride + c]) * scale[i];
-            if (size > most) most = size, best = i;
-        }
-        pivots[c] = best;
-        if (!(most > 1e-14)) return c + 1;
+        i64 best = pivots[c] = find_pivot(a, n, stride, scale, c);
+        if (best < 0) return c + 1;
         if (best != c) {
             vec *x = (vec *)(a + c * stride), *y = (vec *)(a + best * stride);
             for (i64 k = 0; k < stride / LANES; k++) {
@@ -335,21 +338,15 @@ void solve_dense(const double *a, i64 n, i64 stride, const i64 *pivots, double *
 /* Pivots up to this size are inverted: with so few rows one product is quicker than two substitutions. */
 #define SMALL (2 * LANES)
 
-/* Inverse in place by Gauss-Jordan elimination with the pivots of factorize_dense. */
+/* Inverse in place by Gauss-Jordan elimination with the pivots of find_pivot. */
 static inline i64 invert(double *a, i64 n, i64 stride, const double *watch)
 {
     double scale[SMALL];
     i64 swapped[SMALL], zero = row_scales(a, n, stride, watch, scale);
     if (zero) return zero;
     for (i64 c = 0; c < n; c++) {
-        i64 best = c;
-        double most = -1.0;
-        for (i64 i = c; i < n; i++) {
-            double size = __builtin_fabs(a[i * stride + c]) * scale[i];
-            if (size > most) most = size, best = i;
-        }
-        swapped[c] = best;
-        if (!(most > 1e-14)) return c + 1;
+        i64 best = swapped[c] = find_pivot(a, n, stride, scale, c);
+        if (best < 0) return c + 1;
         vec *own = (vec *)(a + c * stride), *other = (vec *)(a + best * stride);
         scale[best] = scale[c];
         double inverse = 1.0 / a[best * stride + c];

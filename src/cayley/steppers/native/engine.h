@@ -203,7 +203,6 @@ i64 order_blocks(i64 count, const i64 *size, const i64 *start, const i64 *neighb
                  const i64 *after);
 void release_blocks(i64 fronts);
 i64 matrix_size(i64 fronts);
-i64 pivot_count(i64 fronts);
 void unknown_starts(i64 fronts, i64 *start);
 void locate(i64 fronts, i64 count, const i64 *row, const i64 *column, i64 *found);
 i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch);
