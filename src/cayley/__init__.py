@@ -27,6 +27,7 @@ _HOMES = {
     "Rod": "model",
     "Body": "model",
     "PointMass": "model",
+    "LagrangianPart": "model",
     "ground": "model.port",
     "Model": "model",
     "simulate": "simulation",
@@ -84,6 +85,7 @@ if TYPE_CHECKING:
     from cayley.density.library import E3 as E3
     from cayley.discrete import rules as rules
     from cayley.model import Body as Body
+    from cayley.model import LagrangianPart as LagrangianPart
     from cayley.model import Material as Material
     from cayley.model import Model as Model
     from cayley.model import PointMass as PointMass

@@ -206,8 +206,6 @@ def test_refusals():
         cy.simulate(cy.Model(rod), 0.1, 1e-4, initial={rod: {"position": lambda s: (1.01 * s, 0, 0)}})
     with pytest.raises(ValueError, match="velocities at the start violate"):
         cy.simulate(cy.Model(rod), 0.1, 1e-4, initial={rod: {"angular_velocity": (1.0, 0, 0)}})
-    with pytest.raises(ValueError, match="same kinematics"):
-        cy.simulate(cy.Model(rod, round_rod(3, origin=(0, 1, 0))), 0.1, 1e-4)
     with pytest.raises(ValueError, match="kinematics = 'stiff' must be"):
         round_rod(3, kinematics="stiff")
     with pytest.raises(TypeError, match="needs an interval"):

@@ -61,7 +61,8 @@ def stepper_of(system: System) -> ModuleType:
     """The module that steps a system."""
     if system.equations.rule.implicit:
         return implicit_run
-    return coupled_run if is_constrained(system) or system.springs else decoupled_run
+    coupled = is_constrained(system) or system.springs or system.members
+    return coupled_run if coupled else decoupled_run
 
 
 def frames_of(nodes: int) -> int:

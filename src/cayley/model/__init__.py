@@ -2,6 +2,7 @@
 
 from cayley.model import damping, joints, loads, springs, supports
 from cayley.model.body import Body, PointMass
+from cayley.model.lagrangian_part import LagrangianPart
 from cayley.model.material import Material
 from cayley.model.model import Model
 from cayley.model.part import Part
@@ -11,6 +12,7 @@ from cayley.model.section import Section
 
 __all__ = [
     "Body",
+    "LagrangianPart",
     "Material",
     "Model",
     "Part",

@@ -65,7 +65,7 @@ class Body(Part):
         object.__setattr__(self, "inertia", inertia)
         object.__setattr__(self, "position", validate.vector(owner, "position", self.position, "m"))
         object.__setattr__(self, "rotation", unit_quaternion(owner, "rotation", self.rotation))
-        object.__setattr__(self, "ports", _ports(owner, self.ports))
+        object.__setattr__(self, "ports", checked_ports(owner, self.ports))
 
     def __repr__(self) -> str:
         """Name, mass and ports, in one line."""
@@ -164,8 +164,13 @@ class PointMass(Part):
         return CENTRE
 
 
-def _ports(owner: str, given: Any) -> dict[str, tuple[Triple, Quad]]:
-    """Ports with shift and rotation each."""
+def checked_ports(owner: str, given: Any) -> dict[str, tuple[Triple, Quad]]:
+    """Ports of a node by name, with shift and rotation each.
+
+    Raises:
+        TypeError: no dictionary.
+        ValueError: a name or a place is none.
+    """
     right = 'a dictionary such as {"eye": (0, 0, 0.3)}'
     if not isinstance(given, Mapping):
         raise TypeError(validate.wrong(owner, "ports", given, right))

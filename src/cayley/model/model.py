@@ -9,6 +9,7 @@ from typing import Any
 from cayley.model import check
 from cayley.model.body import Body, PointMass
 from cayley.model.joints import Joint
+from cayley.model.lagrangian_part import LagrangianPart
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad, RodLoad
 from cayley.model.part import Part
 from cayley.model.port import Port
@@ -23,7 +24,7 @@ class Model:
     """Parts with what holds, connects and moves them; nothing in it changes, `replace` makes another one.
 
     Attributes:
-        parts: rods, bodies and point masses, in the order given.
+        parts: rods, bodies, point masses and parts with a Lagrangian of their own, in the order given.
         supports: components that are held; several at one node add up.
         guides: guides and drives given among the supports; they are joints to the ground.
         joints: between parts, or parts and the ground.
@@ -62,7 +63,8 @@ class Model:
         """Put the parts together and check that all fits.
 
         Args:
-            *parts: rods, bodies and point masses, at least one, with different names.
+            *parts: rods, bodies, point masses and parts with a Lagrangian of their own, at least one, with different
+                names.
             supports: made by `supports.pin`, `supports.clamp`, `supports.hold`, `supports.slide`, ...
             joints: made by `joints.weld`, `joints.ball`, `joints.hinge`, ...
             springs: made by `springs.linear`, `springs.rotational`, `springs.bushing`.
@@ -125,9 +127,14 @@ class Model:
         return tuple(part for part in self.parts if isinstance(part, (Body, PointMass)))
 
     @property
+    def own_parts(self) -> tuple[LagrangianPart, ...]:
+        """Parts with a Lagrangian of their own, in the order given."""
+        return tuple(part for part in self.parts if isinstance(part, LagrangianPart))
+
+    @property
     def mass(self) -> float:
-        """The mass of all parts [kg]."""
-        return sum(part.mass for part in self.parts)
+        """The mass of all parts [kg], but for those with a Lagrangian of their own, which alone knows it."""
+        return sum(part.mass for part in self.parts if not isinstance(part, LagrangianPart))
 
     @property
     def ties(self) -> tuple[Joint | Spring, ...]:

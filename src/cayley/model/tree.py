@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cayley.model.body import PointMass
+from cayley.model.lagrangian_part import LagrangianPart
 from cayley.model.loads import Gravity
 from cayley.model.part import Part
 from cayley.model.rod import Rod
@@ -17,15 +18,15 @@ def tree(model: Model) -> list[str]:
     """Lines of the listing: counts, parts, supports, joints, springs, loads, and what looks odd."""
     rods = model.rods
     masses = sum(isinstance(part, PointMass) for part in model.parts)
-    counts = [(len(rods), "rod"), (len(model.parts) - len(rods) - masses, "body"), (masses, "mass")]
+    own = len(model.own_parts)
+    bodies = len(model.parts) - len(rods) - masses - own
+    counts = [(len(rods), "rod"), (bodies, "body"), (masses, "mass"), (own, "part")]
     elements = sum(rod.elements for rod in rods)
     nodes = sum(part.node_count for part in model.parts)
     told = [_counted(number, noun) for number, noun in counts if number]
     told += [_counted(elements, "element")] if rods else []
     lines = [f"Model: {', '.join(told)}, {_counted(nodes, 'node')}, {model.mass:g} kg", "  parts"]
-    lines += [
-        f"    {name}: {_size(part)}, {part.mass:g} kg" for part, name in zip(model.parts, model.names, strict=True)
-    ]
+    lines += [f"    {name}: {_size(part)}" for part, name in zip(model.parts, model.names, strict=True)]
     lines += _section(
         "supports",
         [f"{s.kind} at {s.port.called(model.name_of(s.port.part))}" for s in model.supports]
@@ -43,8 +44,13 @@ def tree(model: Model) -> list[str]:
 def _size(part: Part) -> str:
     if isinstance(part, Rod):
         damped = "" if part.damping is None else f", {part.damping}"
-        return f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.stations.name}{damped}"
-    return "point mass" if isinstance(part, PointMass) else "rigid body"
+        return (
+            f"{part.length:g} m, {_counted(part.elements, 'element')}, {part.stations.name}{damped}, {part.mass:g} kg"
+        )
+    if isinstance(part, LagrangianPart):
+        size = "" if part.domain is None else f", {_counted(part.domain.elements, 'element')}"
+        return f"Lagrangian {part.lagrangian.name}{size}"
+    return f"{'point mass' if isinstance(part, PointMass) else 'rigid body'}, {part.mass:g} kg"
 
 
 def _section(heading: str, lines: list[str]) -> list[str]:

@@ -103,9 +103,9 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
     A component of linear momentum stays if no support holds that component and gravity has none. One of angular
     momentum, about the axis e through the origin, stays if gravity is along e and no support turns about e: a held
     position does not if its force passes through the axis or is parallel to it. Loads are not looked at. A joint or
-    spring of two parts leaves all alone; one to the ground is taken to leave nothing.
+    spring of two parts leaves all alone; one to the ground, and a Lagrangian of one's own, is taken to leave nothing.
     """
-    if any(tie.grounded for tie in model.ties):
+    if model.own_parts or any(tie.grounded for tie in model.ties):
         return (False, False, False), (False, False, False)
     gravity = sum((np.array(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3))
     linear, angular = [], []
@@ -125,8 +125,8 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
 
 
 def _works_always(model: Model) -> bool:
-    """Whether joints are driven or springs or rods damped, all the time."""
-    if any(rod.damping is not None for rod in model.rods):
+    """Whether joints are driven or springs, rods or Lagrangians of one's own damped, all the time."""
+    if any(rod.damping is not None for rod in model.rods) or any(part.lagrangian.force for part in model.own_parts):
         return True
     return any(joint.driven for joint in model.connections) or any(np.any(spring.damping) for spring in model.springs)
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
-from cayley.model import Body, Port
+from cayley.model import Body, LagrangianPart, Port
 from cayley.model.loads import Gravity
 
 _META = {
@@ -19,6 +19,8 @@ _META = {
     "potential_energy": ("potential energy of gravity", "J"),
     "force": ("force, space frame", "N"),
     "moment": ("moment about the place where the force acts, space frame", "N m"),
+    "momentum": ("momentum dL/dv, space frame", "kg m/s"),
+    "angular_momentum": ("angular momentum dL/domega, body frame", "kg m^2/s"),
     "energy": ("kinetic energy and potential energy of gravity", "J"),
 }
 
@@ -44,6 +46,33 @@ def body_dataset(run: Any, node: int, name: str) -> xr.Dataset:
     potential = -part.mass * x @ gravity
     fields = {"position": x, "rotation": p, "velocity": v, "angular_velocity": omega, "kinetic_energy": kinetic}
     return dataset(run, fields | {"potential_energy": potential, "energy": kinetic + potential}, name)
+
+
+def own_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
+    """Fields of a part with a Lagrangian of its own, dims (time, axis) and (time, wxyz), on an interval with node.
+
+    Args:
+        run: the Trajectory.
+        nodes: its nodes among those of the system.
+        name: its name.
+
+    Returns: a Dataset with position, rotation, velocity, angular_velocity, momentum ∂L/∂ẋ (in space) and
+    angular_momentum ∂L/∂ω (about the body's axes), those of a node on an interval times its part of the length.
+    """
+    layout, part = run.outline.layout, run.model.parts[run.model.names.index(name)]
+    momenta, rates = run.frames.momenta[:, nodes], run.observed.velocity[:, nodes]
+    x, p = layout.dofs_of("x"), layout.dofs_of("p")
+    fields = {
+        "position": run._values("x")[:, nodes],
+        "rotation": run._rotation("p")[:, nodes],
+        "velocity": rates[..., x],
+        "angular_velocity": rates[..., p],
+        "momentum": momenta[..., x],
+        "angular_momentum": momenta[..., p],
+    }
+    if part.domain is None:
+        return dataset(run, {key: values[:, 0] for key, values in fields.items()}, name)
+    return dataset(run, fields, name).assign_coords(s=("node", run.outline.nodes[nodes], {"units": "m"}))
 
 
 def port_dataset(run: Any, port: Port, name: str) -> xr.Dataset:
@@ -86,7 +115,7 @@ def port_of(run: Any, part: Any, name: str | None) -> tuple[Port, str]:
     found = run.model.parts[run.model.names.index(called)]
     if isinstance(part, Port):
         port = Port(found, part.node, shift=part.shift, turn=part.turn, name=part.name)
-    elif isinstance(found, Body):
+    elif isinstance(found, Body | LagrangianPart):
         try:
             port = found.port(str(name))
         except ValueError as error:
@@ -118,11 +147,11 @@ def rotate(p: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def dataset(run: Any, fields: dict[str, np.ndarray], name: str) -> xr.Dataset:
-    """Fields over the time with names and units, shape (m,), (m, 3) or (m, 4) each."""
-    dims = {1: ("time",), 3: ("time", "axis"), 4: ("time", "wxyz")}
+    """Fields over the time with names and units, shape (m,), (m, 3) or (m, 4) each, or (m, nodes, 3), (m, nodes, 4)."""
+    last = {3: ("axis",), 4: ("wxyz",)}
     variables = {
         key: (
-            dims[1 if values.ndim == 1 else values.shape[1]],
+            ("time", "node")[: max(values.ndim - 1, 1)] + (last[values.shape[-1]] if values.ndim > 1 else ()),
             np.ascontiguousarray(values),
             {"long_name": _META[key][0], "units": _META[key][1]},
         )

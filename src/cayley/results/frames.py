@@ -1,10 +1,10 @@
 """Saved states of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cayley.system.system import State
+from cayley.system.system import State, System
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,3 +42,17 @@ class Frames:
             memory=self.memory if k in (-1, len(self.times) - 1) else None,
             work=None if self.work is None else self.work[k].copy(),
         )
+
+
+def by_group(system: System, frames: Frames) -> list[tuple[System, Frames]]:
+    """The groups of a system, each with its part of saved states."""
+    if not system.members:
+        return [(system, frames)]
+    found, first = [], 0
+    for group, nodes in system.spans:
+        cells = slice(first, first + group.cells)
+        work = None if frames.work is None else frames.work[:, cells]
+        own = replace(frames, values=frames.values[:, nodes], momenta=frames.momenta[:, nodes], memory=None, work=work)
+        found.append((group, own))
+        first += group.cells
+    return found

@@ -1,5 +1,6 @@
 """Forces of constraints at saved frames: the multipliers of the equations of motion there."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -14,6 +15,8 @@ from cayley.results.inertia import NodeInertia
 from cayley.results.joint_rates import JointRates
 from cayley.steppers.saddle import reactions, saddle_problem
 from cayley.system.system import System
+
+Rates = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,27 +57,39 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
     inertia, nodes = NodeInertia(system, saddle.plan.nodes), saddle.plan.nodes
     left, right, point = (np.zeros_like(forces) for _ in range(3))
     joints = np.zeros((len(frames.times), len(system.joints), system.layout.dofs))
-    elements = element_starts(system)
-    constrained = bool(system.equations.density.constraints.numel() and len(elements))
-    turning, inputs = (_turning(system) if constrained else None), element_inputs(system, elements)
+    turning = _all_turning(system)
     for k, time in enumerate(map(float, frames.times)):
         values, moving = frames.values[k], velocity[k]
         rates = of_joints(values, moving, time)
-        if turning is not None:
-            rates = [np.asarray(turning(inputs(values, moving, time))).T, *rates]
+        rates = [*(one(values, moving, time) for _, one in turning), *rates]
         driving = forces[k].copy()
         driving[nodes] -= inertia(values, moving, time)[0]
         solved = reactions(saddle, values, time, driving, [-rate for rate in rates])
         pulls = [of_cells.sum(axis=1) for of_cells in solved.forces]
-        if constrained:
-            left[k, elements], right[k, elements] = pulls[0][:, 0], pulls[0][:, 1]
-        for members, both in zip(of_joints.groups.values(), pulls[constrained:], strict=True):
+        for (elements, _), both in zip(turning, pulls[: len(turning)], strict=True):
+            left[k, elements], right[k, elements] = both[:, 0], both[:, 1]
+        for members, both in zip(of_joints.groups.values(), pulls[len(turning) :], strict=True):
             for joint, (first, second) in zip(members, both, strict=True):
                 joints[k, joint] = first
                 point[k, system.joints[joint].first] += first
                 if not system.joints[joint].grounded:
                     point[k, system.joints[joint].second] += second
     return ConstraintForces(left, right, point, joints)
+
+
+def _all_turning(system: System) -> list[tuple[np.ndarray, Rates]]:
+    """Of every constrained density first nodes of its elements, and what gives their Ġ v, (elements, constraints)."""
+    found = []
+    for group, own in system.spans:
+        elements = element_starts(group)
+        if group.with_constraints and len(elements):
+            found.append((elements + own.start, _rates(group, own, elements)))
+    return found
+
+
+def _rates(system: System, nodes: slice, elements: np.ndarray) -> Rates:
+    turning, inputs = _turning(system), element_inputs(system, elements)
+    return lambda values, moving, time: np.asarray(turning(inputs(values[nodes], moving[nodes], time))).T
 
 
 def _turning(system: System) -> ca.Function:

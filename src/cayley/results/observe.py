@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cayley.results.beside import forces_beside
+from cayley.results.beside import ForcesBeside, forces_beside
 from cayley.results.elements import element_starts
-from cayley.results.frames import Frames
+from cayley.results.frames import Frames, by_group
 from cayley.results.held import held_nodes, support_forces
 from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
-from cayley.system.system import System, by_node, pack
+from cayley.system.system import System, by_node, joined, pack
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +53,30 @@ def observe(system: System, frames: Frames) -> Observations:
 
     Returns: the Observations.
     """
+    of_groups = [_by_kernel(*pair) for pair in by_group(system, frames)]
+    part = {name: joined([own[name] for own in of_groups], axis=1) for name in of_groups[0]}
+    kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
+    nothing = np.zeros_like(part["velocity"])
+    spatial, slopes, exerted = nothing, part.get("slopes", nothing), {}
+    if "length" in system.named:
+        exerted = _complete(system, frames, part)
+        if system.equations.rule.degree == 1:
+            spatial = resultants(system, frames, part)
+    if system.equations.rule.degree > 1:
+        strain, spatial, slopes = _interpolated(system, frames, part["velocity"])
+    return Observations(
+        velocity=part["velocity"],
+        kinetic=kinetic,
+        strain=strain + spring_energy(system, frames),
+        load=load,
+        resultants=spatial,
+        slopes=slopes,
+        **exerted,
+    )
+
+
+def _by_kernel(system: System, frames: Frames) -> dict[str, np.ndarray]:
+    """What the kernel of one density says, shape (m, nodes, width) each."""
     rows = system.equations.rows
     kernel = system.kernels["observe"]
     predict = system.kernels["predict"] if system.equations.forced else None
@@ -70,24 +94,17 @@ def observe(system: System, frames: Frames) -> Observations:
         kernel(data, uniforms, 1, data.shape[0] - 1)
         for name, own in rows.observed.items():
             part[name][k] = by_node(system, data[1:-1], own)
-    kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
-    nothing = np.zeros_like(part["velocity"])
-    spatial, slopes, exerted = nothing, part.get("slopes", nothing), {}
-    if system.equations.density.lagrangian.interval is not None:
-        exerted = _complete(system, frames, part)
-        if system.equations.rule.degree == 1:
-            spatial = resultants(system, frames, part)
-    if system.equations.rule.degree > 1:
-        strain, spatial, slopes = interpolated(system, frames, part["velocity"])
-    return Observations(
-        velocity=part["velocity"],
-        kinetic=kinetic,
-        strain=strain + spring_energy(system, frames),
-        load=load,
-        resultants=spatial,
-        slopes=slopes,
-        **exerted,
-    )
+    return part
+
+
+def _interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Strain energy, resultants and slopes of elements of a degree above 1."""
+    found = [
+        interpolated(group, own, velocity[:, nodes])
+        for (group, own), (_, nodes) in zip(by_group(system, frames), system.spans, strict=True)
+    ]
+    energy, spatial, slopes = zip(*found, strict=True)
+    return joined([one[None] for one in energy]).sum(axis=0), joined(spatial, axis=1), joined(slopes, axis=1)
 
 
 def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -96,7 +113,7 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> di
     Returns: reactions, held and supports of the Observations.
     """
     velocity, degree = part["velocity"], system.equations.rule.degree
-    beside = forces_beside(system, frames, velocity)
+    beside = _beside(system, frames, velocity)
     part["load"] += beside.outer
     part["point"] = spring_forces(system, frames, velocity)
     total = part["load"] + part["point"] + sum(timed_loads(system, frames))
@@ -107,7 +124,7 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> di
     else:
         _add_ends(system, total, beside.inner)
     found = {}
-    if system.joints or system.equations.density.constraints.numel():
+    if system.joints or system.with_constraints:
         pulled = constraint_forces(system, frames, velocity, total)
         part["point"] += pulled.point
         total += pulled.point
@@ -121,6 +138,14 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> di
     if len(held):
         found |= {"held": held, "supports": support_forces(system, frames, velocity, total)}
     return found
+
+
+def _beside(system: System, frames: Frames, velocity: np.ndarray) -> ForcesBeside:
+    found = [
+        forces_beside(group, own, velocity[:, nodes])
+        for (group, own), (_, nodes) in zip(by_group(system, frames), system.spans, strict=True)
+    ]
+    return ForcesBeside(joined([one.inner for one in found], axis=1), joined([one.outer for one in found], axis=1))
 
 
 def _add_ends(system: System, total: np.ndarray, ends: np.ndarray) -> None:

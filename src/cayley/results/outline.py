@@ -27,7 +27,6 @@ class Outline:
     @classmethod
     def of(cls, system: System) -> "Outline":
         """The outline of a system."""
-        equations = system.equations
-        interval = equations.density.lagrangian.interval
+        interval = system.groups[0].equations.density.lagrangian.interval  # of a model all have one
         nodes = np.zeros(system.size) if interval is None else system.nodes
-        return cls(layout=system.layout, rule=equations.rule.name, interval=interval, nodes=nodes)
+        return cls(layout=system.layout, rule=system.equations.rule.name, interval=interval, nodes=nodes)

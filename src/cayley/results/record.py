@@ -14,7 +14,7 @@ from cayley.model.stations import Stations
 from cayley.model.supports import Support
 from cayley.results.forces_record import damping_from, damping_record, rod_load_from, rod_load_record
 from cayley.results.tie_record import (
-    body_record,
+    part_record,
     parts_from,
     parts_record,
     port_from,
@@ -22,38 +22,6 @@ from cayley.results.tie_record import (
     ties_from,
     ties_record,
 )
-
-
-class Sampled:
-    """A load or motion that was a function of time, of which the values at the saved frames are left.
-
-    Args:
-        name: name of the function.
-        times: of the frames [s], shape (m,), rising.
-        values: of the load or motion, shape (m, 3) or (m, 1).
-        what: "load", or what is prescribed.
-    """
-
-    sampled = True  # a joint does not ask for its value at t = 0, which need not be there
-
-    def __init__(self, name: str, times: np.ndarray, values: np.ndarray, what: str = "load") -> None:
-        """Hold the table."""
-        self.__name__, self.times, self.values, self.what = name, times, values, what
-
-    def __call__(self, t: float) -> np.ndarray:
-        """The value at the time of a frame.
-
-        Raises:
-            ValueError: for another time; nothing is interpolated, for a run that goes on must not differ silently.
-        """
-        time = float(t)
-        k = int(np.searchsorted(self.times, time))
-        if k == len(self.times) or self.times[k] != time:
-            raise ValueError(
-                f"the {self.what} function {self.__name__} is not in the store, only its values at the saved frames, "
-                f"and t = {time:g} s is none of them; open the run with model=... to give the function again"
-            )
-        return self.values[k].copy()
 
 
 def model_record(model: Model) -> dict[str, Any]:
@@ -98,12 +66,9 @@ def model_from(
     sections = [Section(**(given | {"name": str(given["name"])})) for given in record["sections"]]
     rods = [_rod_from(given, sections) for given in record["rods"]]
     parts = parts_from(record, rods)
-    bodies = [part for part in parts if not isinstance(part, Rod)]
-    supports = [
-        Support(port_from(s, rods, bodies), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]
-    ]
+    supports = [Support(port_from(s, parts), tuple(s["position"]), tuple(s["rotation"])) for s in record["supports"]]
     pairs = zip(record["loads"], functions, strict=True)
-    loads = [_load_from(given, rods, bodies, function) for given, function in pairs]
+    loads = [_load_from(given, rods, parts, function) for given, function in pairs]
     ties = ties_from(record, parts, motions or {})
     held = [*supports, *ties["guides"]]
     return Model(*parts, supports=held, joints=ties["joints"], springs=ties["springs"], loads=loads)
@@ -116,16 +81,11 @@ def name_of(part: Any, model: Model | None) -> str | None:
     """
     if model is None or not isinstance(part, Part):
         return None
-    if not isinstance(part, Rod):
-        bodies = [(body, model.name_of(body)) for body in model.bodies]
-        known = [name for body, name in bodies if body is part]
-        known = known or [name for body, name in bodies if body_record(body) == body_record(part)]  # type: ignore[arg-type]
-        return known[0] if len(known) == 1 else None
-    pairs = [(rod, model.name_of(rod)) for rod in model.rods]
-    same = [name for rod, name in pairs if rod is part]
+    pairs = list(zip(model.parts, model.names, strict=True))
+    same = [name for other, name in pairs if other is part]
     if not same:
         own = _whole_record(part)
-        same = [name for rod, name in pairs if _whole_record(rod) == own]
+        same = [name for other, name in pairs if type(other) is type(part) and _whole_record(other) == own]
     return same[0] if len(same) == 1 else None
 
 
@@ -151,8 +111,10 @@ def _numbered(given: Section | Stations, numbers: Mapping[int, int]) -> Any:
     return {"name": given.name, "stations": [[numbers[id(section)] for section in own] for own in given.sections]}
 
 
-def _whole_record(rod: Rod) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    return _rod_record(rod), [_section_record(section) for section in _all_sections(rod.stations)]
+def _whole_record(part: Part) -> Any:
+    if isinstance(part, Rod):
+        return _rod_record(part), [_section_record(section) for section in _all_sections(part.stations)]
+    return part_record(part)
 
 
 def _rod_from(record: Mapping[str, Any], sections: Sequence[Section]) -> Rod:
@@ -213,7 +175,7 @@ def _load_record(load: Load, model: Model) -> dict[str, Any]:
 
 
 def _load_from(
-    record: Mapping[str, Any], rods: Sequence[Rod], bodies: Sequence[Part], function: Callable[[float], Any] | None
+    record: Mapping[str, Any], rods: Sequence[Rod], parts: Sequence[Part], function: Callable[[float], Any] | None
 ) -> Load:
     if record["kind"] == "gravity":
         return Gravity(tuple(record["acceleration"]))
@@ -227,8 +189,8 @@ def _load_from(
         "until": math.inf if record["until"] is None else record["until"],
     }
     if "node" in record:
-        return PointLoad(port=port_from(record, rods, bodies), **shared)
+        return PointLoad(port=port_from(record, parts), **shared)
     return LineLoad(rod=rods[record["rod"]], **shared)
 
 
-__all__ = ["Sampled", "model_from", "model_record", "name_of"]
+__all__ = ["model_from", "model_record", "name_of"]

@@ -37,7 +37,8 @@ from cayley.model.rod_loads import KINDS
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations
 from cayley.results.outline import Outline
-from cayley.results.record import Sampled, model_from, model_record
+from cayley.results.record import model_from, model_record
+from cayley.results.sampled import Sampled
 from cayley.results.tie_record import driven_functions, recorded_functions
 from cayley.results.trajectory import Trajectory
 

@@ -5,45 +5,60 @@ from typing import Any
 
 import numpy as np
 
-from cayley.model import Body, Model, Part, PointMass, Port, ground
+from cayley.model import Body, LagrangianPart, Model, Part, PointMass, Port, ground
 from cayley.model.joints import Joint
 from cayley.model.motion import Table
 from cayley.model.port import HERE, UNTURNED
 from cayley.model.springs import Spring
+from cayley.results.own_record import own_from, own_record
 
 _NUMBERS = ("axis", "other", "length")
 
 
 def parts_record(model: Model) -> dict[str, Any]:
-    """Bodies, point masses and the order of all parts; nothing for a model of rods."""
-    if not model.bodies:
+    """Bodies, point masses, parts with a Lagrangian of their own, and the order of all; nothing for a model of rods."""
+    if len(model.rods) == len(model.parts):
         return {}
-    order = ["rod" if part in model.rods else "body" for part in model.parts]
-    return {"bodies": [body_record(body) for body in model.bodies], "order": order}
+    found: dict[str, Any] = {"bodies": [part_record(body) for body in model.bodies]}
+    if model.own_parts:
+        found["parts"] = [part_record(part) for part in model.own_parts]
+    return found | {"order": [_word(part) for part in model.parts]}
 
 
 def parts_from(record: Mapping[str, Any], rods: Sequence[Part]) -> list[Part]:
     """All parts in their order."""
-    bodies = [_body_from(given) for given in record.get("bodies", ())]
-    left: dict[str, Iterator[Part]] = {"rod": iter(rods), "body": iter(bodies)}
+    left: dict[str, Iterator[Part]] = {
+        "rod": iter(rods),
+        "body": map(_body_from, record.get("bodies", ())),
+        "part": map(own_from, record.get("parts", ())),
+    }
     return [next(left[word]) for word in record.get("order", ["rod"] * len(rods))]
 
 
-def body_record(body: Body | PointMass) -> dict[str, Any]:
-    """A body or point mass."""
-    shared = {"name": body.name, "mass": body.mass, "position": list(body.position)}
-    if isinstance(body, PointMass):
+def part_record(part: Part) -> dict[str, Any]:
+    """A body, point mass or part with a Lagrangian of its own."""
+    if isinstance(part, LagrangianPart):
+        return own_record(part)
+    assert isinstance(part, Body | PointMass)
+    shared = {"name": part.name, "mass": part.mass, "position": list(part.position)}
+    if isinstance(part, PointMass):
         return shared
     return shared | {
-        "inertia": np.asarray(body.inertia).tolist(),
-        "rotation": list(body.rotation),
-        "ports": {name: [list(shift), list(turn)] for name, (shift, turn) in body.ports.items()},
+        "inertia": np.asarray(part.inertia).tolist(),
+        "rotation": list(part.rotation),
+        "ports": {name: [list(shift), list(turn)] for name, (shift, turn) in part.ports.items()},
     }
+
+
+def _word(part: Part) -> str:
+    """What a record calls the kind of a part."""
+    return "part" if isinstance(part, LagrangianPart) else "body" if isinstance(part, Body | PointMass) else "rod"
 
 
 def port_record(port: Port, model: Model) -> dict[str, Any]:
     """A port: kind and number of its part, node, and where it stands off the node."""
-    kind, same = ("rod", model.rods) if port.part in model.rods else ("body", model.bodies)
+    kind = _word(port.part)
+    same = [part for part in model.parts if _word(part) == kind]
     number = next(k for k, part in enumerate(same) if part is port.part)
     found: dict[str, Any] = {kind: number, "node": port.node}
     if port.shift != HERE or port.turn != UNTURNED:
@@ -51,9 +66,10 @@ def port_record(port: Port, model: Model) -> dict[str, Any]:
     return found | ({"name": port.name} if port.name else {})
 
 
-def port_from(record: Mapping[str, Any], rods: Sequence[Part], bodies: Sequence[Part]) -> Port:
-    """A port of its record."""
-    part = rods[record["rod"]] if "rod" in record else bodies[record["body"]]
+def port_from(record: Mapping[str, Any], parts: Sequence[Part]) -> Port:
+    """A port of its record, on one of the parts of a model."""
+    kind = next(word for word in ("rod", "body", "part") if word in record)
+    part = [part for part in parts if _word(part) == kind][record[kind]]
     options = {key: tuple(record[key]) for key in ("shift", "turn") if key in record}
     return Port(part, record["node"], name=record.get("name", ""), **options)
 
@@ -79,13 +95,11 @@ def ties_from(
         parts: all parts of the model.
         functions: prescribed motions that are functions, by "name of the joint/quantity".
     """
-    bodies = [part for part in parts if isinstance(part, (Body, PointMass))]
-    rods = [part for part in parts if not isinstance(part, (Body, PointMass))]
 
     def side(given: Mapping[str, Any]) -> Any:
         if "ground" in given:
             return ground if given["ground"] is None else ground.at(given["ground"])
-        return port_from(given, rods, bodies)
+        return port_from(given, parts)
 
     def joint(given: Mapping[str, Any]) -> Joint:
         rest = {key: value for key, value in given.items() if key not in ("first", "second", "motion", "label")}

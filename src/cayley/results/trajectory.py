@@ -9,7 +9,7 @@ import numpy as np
 
 from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
-from cayley.model import Model
+from cayley.model import Body, LagrangianPart, Model, PointMass
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
@@ -127,7 +127,7 @@ class Trajectory:
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name."""
-        from cayley.results.body import body_dataset
+        from cayley.results.body import body_dataset, own_dataset
         from cayley.results.record import name_of
         from cayley.results.rod import rod_dataset
 
@@ -135,7 +135,10 @@ class Trajectory:
         if name not in self._parts:
             raise KeyError(f"the run has no part {part!r}; it has {', '.join(self._parts) or 'none (use run.data)'}")
         nodes = self._parts[name]
-        if self.model is not None and any(body is self._part(str(name)) for body in self.model.bodies):
+        own = self._part(str(name))
+        if isinstance(own, LagrangianPart):
+            return own_dataset(self, nodes, str(name))
+        if isinstance(own, Body | PointMass):
             return body_dataset(self, nodes.start, str(name))
         return rod_dataset(self, nodes, str(name))
 

@@ -58,5 +58,6 @@ def _history(result: Result) -> str:
 
 
 def name_of(system: System) -> str:
-    """The Lagrangian of a system, in words."""
-    return f"Lagrangian {system.equations.density.lagrangian.name}"
+    """The Lagrangian of a system, or its Lagrangians, in words."""
+    names = [group.equations.density.lagrangian.name for group in system.groups]
+    return f"Lagrangian{'s' * (len(names) > 1)} {', '.join(names)}"

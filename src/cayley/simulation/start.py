@@ -11,7 +11,7 @@ from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.simulation.failure import name_of
 from cayley.steppers.outcome import Outcome
-from cayley.steppers.saddle import is_constrained, projected, violation
+from cayley.steppers.saddle import constrained_nodes, is_constrained, projected, violation
 from cayley.system.discretize import discretize, initial_values
 from cayley.system.legendre import initial_state
 from cayley.system.system import State, System
@@ -82,13 +82,13 @@ def _check_places(system: System, state: State) -> None:
         if cells.names:
             where = f"the start violates the joint {cells.names[worst]}"
         else:
-            place = system.nodes[int(cells.nodes[worst, 0])]
+            place = system.nodes[constrained_nodes(system)[int(cells.nodes[worst, 0])]]
             where = f"the start violates the constraint of {name_of(system)} in the element at s = {place:.6g} m"
         raise ValueError(f"{where} by {size:.3g}; give positions and rotations for which it is zero")
 
 
 def _who(system: System) -> str:
-    return name_of(system) if system.equations.density.constraints.numel() else "the joints"
+    return name_of(system) if system.with_constraints else "the joints"
 
 
 def _fitting(system: System, state: State) -> State:

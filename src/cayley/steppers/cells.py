@@ -80,41 +80,69 @@ class Cells:
         return len(self.phi)
 
 
-def inertia_cells(system: System, nodes: np.ndarray) -> Cells:
-    """Inertia and loads of the density, at some nodes; cells number them by their place among these."""
-    return _at_nodes(system, nodes, "inertia_point", rated=True)
+def inertia_cells(system: System, nodes: np.ndarray) -> list[Cells]:
+    """Inertia and loads of every density, at some nodes; cells number them by their place among these."""
+    return [_at_nodes(own, "inertia_point", rated=True) for own in _chosen(system, nodes) if len(own.nodes)]
 
 
 def term_cells(system: System) -> list[Cells]:
     """All terms of a system: inertia, strain, forces, springs and dampers."""
     nodes = np.arange(system.size)
-    found = [inertia_cells(system, nodes)]
-    elements = any(count > 1 for count in system.chains)
-    if elements:
-        found.append(_on_elements(system, "strain_point", sign=-1.0))
-    force = system.equations.density.force
-    if force is not None:
-        if elements and any(force.between_nodes(kind) for kind in KINDS):
-            found.append(_on_elements(system, "force_point", rates=True, force=True, accounted=True))
-        if any((NODE, kind) in force.terms for kind in KINDS):
-            found.append(_at_nodes(system, nodes, "node_force_point", force=True, accounted=True))
+    found = inertia_cells(system, nodes)
+    for own in _chosen(system, nodes):
+        elements = any(count > 1 for count in own.group.chains)
+        if elements:
+            found.append(_on_elements(own, "strain_point", sign=-1.0))
+        force = own.group.equations.density.force
+        if force is not None:
+            if elements and any(force.between_nodes(kind) for kind in KINDS):
+                found.append(_on_elements(own, "force_point", rates=True, force=True, accounted=True))
+            if any((NODE, kind) in force.terms for kind in KINDS):
+                found.append(_at_nodes(own, "node_force_point", force=True, accounted=True))
     return found + spring_cells(system, nodes)
 
 
 def constraint_cells(system: System, nodes: np.ndarray) -> list[Cells]:
-    """All constraints of a system, those of the density and of the joints; cells number nodes by their place."""
+    """All constraints of a system, those of the densities and of the joints; cells number nodes by their place."""
     found = []
-    count = system.equations.density.constraints.numel()
-    if count and any(chain > 1 for chain in system.chains):
-        screw = system.equations.rule.strain.screw
-        found.append(_on_elements(system, "constraint_point", light="_slope", count=count, alternating=screw))
+    for own in _chosen(system, nodes):
+        equations = own.group.equations
+        count = equations.density.constraints.numel()
+        if count and any(chain > 1 for chain in own.group.chains):
+            screw = equations.rule.strain.screw
+            found.append(_on_elements(own, "constraint_point", light="_slope", count=count, alternating=screw))
     return found + joint_cells(system, nodes)
 
 
-def _at_nodes(system: System, nodes: np.ndarray, name: str, **kind: Any) -> Cells:
+@dataclass(frozen=True, slots=True)
+class _Chosen:
+    """Some nodes of a group.
+
+    Args:
+        group: the system of one density.
+        nodes: among its nodes, shape (n,).
+        places: what cells number these by, shape (n,).
+    """
+
+    group: System
+    nodes: np.ndarray
+    places: np.ndarray
+
+
+def _chosen(system: System, nodes: np.ndarray) -> list[_Chosen]:
+    """Some nodes of a system, in rising order, by groups."""
+    found = []
+    for group, own in system.spans:
+        places = np.flatnonzero((nodes >= own.start) & (nodes < own.stop))
+        found.append(_Chosen(group, nodes[places] - own.start, places))
+    return found
+
+
+def _at_nodes(own: _Chosen, name: str, **kind: Any) -> Cells:
+    system, nodes = own.group, own.nodes
     return Cells(
         **_kernels(system, name, "_force"),
-        nodes=np.arange(len(nodes))[:, None],
+        nodes=own.places[:, None],
         phi=np.ones((1, 1)),
         psi=np.zeros((1, 1)),
         inverse=np.ones(len(nodes)),
@@ -126,8 +154,9 @@ def _at_nodes(system: System, nodes: np.ndarray, name: str, **kind: Any) -> Cell
     )
 
 
-def _on_elements(system: System, name: str, *, light: str = "_force", sign: float = 1.0, **kind: Any) -> Cells:
-    """At the strain points of every element."""
+def _on_elements(own: _Chosen, name: str, *, light: str = "_force", sign: float = 1.0, **kind: Any) -> Cells:
+    """At the strain points of every element of a group, all of whose nodes are chosen."""
+    system = own.group
     strain, degree = system.equations.rule.strain, system.equations.rule.degree
     starts, first = [], 0
     for count in system.chains:
@@ -139,7 +168,7 @@ def _on_elements(system: System, name: str, *, light: str = "_force", sign: floa
     along = np.zeros(1) if strain.between_ends else np.array(strain.at)
     return Cells(
         **_kernels(system, name, light),
-        nodes=nodes,
+        nodes=own.places[nodes],
         phi=phi,
         psi=psi,
         inverse=np.ones(len(lengths)) if strain.between_ends else 1.0 / lengths,

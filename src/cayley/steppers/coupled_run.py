@@ -10,13 +10,33 @@ import numpy as np
 
 from cayley.steppers import problem, saddle
 from cayley.steppers.cells import spring_cells
-from cayley.steppers.native import fill
+from cayley.steppers.native import fill, structure
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
-from cayley.system.system import State, System, aligned, by_node, gather, pack
+from cayley.system.system import State, System, aligned, by_node, gather, joined, pack, split
 
 CHUNK = 20_000
 """Most steps in one call of the driver."""
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """What does not change from call to call of the blocks of one density.
+
+    Args:
+        system: its system.
+        calls: addresses of run and setup of kick, drift and predict (0 without), by their names in struct
+            explicit_group.
+        uniforms: their uniform inputs and room behind them, shape (3, width).
+        spans: first block, last block, and whether constraints know a node there, shape (m, 3).
+        fixed: block, row, lane of momenta that stay zero, shape (f, 3).
+    """
+
+    system: System
+    calls: dict[str, int]
+    uniforms: np.ndarray
+    spans: np.ndarray
+    fixed: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,23 +45,18 @@ class Explicit:
 
     Args:
         plan: the problem of the constrained nodes.
-        calls: addresses of run and setup of kick, drift and predict (0 without), shape (3, 2).
-        uniforms: their uniform inputs and room behind them, shape (3, width).
-        slot: block, lane, first row of values, of momenta and of predicted velocities (−1 without), shape (n, 5).
-        spans: first block, last block, and whether constraints know a node there, shape (m, 3).
-        entries: loads: block, lane, row, row of the rotation, form and column, shape (k, 6).
+        groups: the densities.
+        slot: group, block, lane, first row of values, of momenta and of predicted velocities (−1 without) of the
+            constrained nodes, shape (n, 6).
+        entries: loads: group, block, lane, row, row of the rotation, form and column, shape (k, 7).
         scales: their factors and levers, shape (k, 4).
-        fixed: block, row, lane of momenta that stay zero, shape (f, 3).
     """
 
     plan: Plan
-    calls: np.ndarray
-    uniforms: np.ndarray
+    groups: tuple[Group, ...]
     slot: np.ndarray
-    spans: np.ndarray
     entries: np.ndarray
     scales: np.ndarray
-    fixed: np.ndarray
 
 
 def make_plan(system: System) -> Explicit:
@@ -50,37 +65,55 @@ def make_plan(system: System) -> Explicit:
         return system.plans["coupled"]
     nodes = saddle.constrained_nodes(system)
     plan = saddle.make_plan(system, spring_cells(system, nodes))
-    rows, layout, lanes = system.equations.rows, system.layout, system.kernels.lanes
-    cell, position = np.divmod(system.slots, rows.cell)
-    block, lane = 1 + cell // lanes, cell % lanes
-    momenta = rows.momenta.start + position * layout.dofs
-    predicted = rows.forced["predicted"].start + position * layout.dofs if rows.forced else np.full(system.size, -1)
-    node, dof = np.nonzero(~system.free)
-    names = ["kick", "drift_held" if len(node) else "drift", *(["predict"] if rows.forced else [])]
-    found = [system.kernels[name] for name in names]
-    uniforms = np.zeros((3, max(kernel.width for kernel in found)))
-    uniforms[:, : len(system.uniforms)] = system.uniforms
-    calls = np.zeros((3, 2), dtype=np.int64)
-    calls[: len(found)] = [(kernel.run, kernel.setup) for kernel in found]
-    entries, scales = np.zeros((0, 6), dtype=np.int64), np.zeros((0, 4))
+    slots = np.concatenate([_slots(group, k) for k, group in enumerate(system.groups)])
+    known = np.zeros(system.size, dtype=bool)
+    known[nodes] = True
+    entries, scales = np.zeros((0, 7), dtype=np.int64), np.zeros((0, 4))
     if system.loads is not None:
         loads = system.loads
-        target = rows.forced["pushed"].start + position * layout.dofs if rows.forced else momenta
-        at, turn = loads.node, position[loads.node] * layout.rows + loads.turn
-        columns = [block[at], lane[at], target[at] + loads.dof, turn, loads.form, loads.column]
+        number, block, lane, values, _, _, target = slots[loads.node].T
+        columns = [number, block, lane, target + loads.dof, values + loads.turn, loads.form, loads.column]
         entries, scales = np.column_stack(columns).astype(np.int64), loads.factors
     made = Explicit(
         plan=plan,
-        calls=calls,
-        uniforms=uniforms,
-        slot=np.column_stack([block, lane, position * layout.rows, momenta, predicted])[nodes].astype(np.int64),
-        spans=_spans(-(-system.cells // lanes), set(block[nodes].tolist())),
+        groups=tuple(_group(group, slots[own], known[own]) for group, own in system.spans),
+        slot=np.ascontiguousarray(slots[nodes, :6]),
         entries=entries,
         scales=scales,
-        fixed=np.column_stack([block[node], momenta[node] + dof, lane[node]]).astype(np.int64),
     )
     system.plans["coupled"] = made
     return made
+
+
+def _slots(system: System, number: int) -> np.ndarray:
+    """Where the nodes of a group are, a row of Explicit.slot for each, and the first row to which loads are added."""
+    rows, layout = system.equations.rows, system.layout
+    cell, position = np.divmod(system.slots, rows.cell)
+    block, lane = 1 + cell // system.kernels.lanes, cell % system.kernels.lanes
+    momenta = rows.momenta.start + position * layout.dofs
+    predicted, loaded = np.full(system.size, -1), momenta
+    if rows.forced:
+        predicted, loaded = (rows.forced[name].start + position * layout.dofs for name in ("predicted", "pushed"))
+    columns = [np.full(system.size, number), block, lane, position * layout.rows, momenta, predicted, loaded]
+    return np.column_stack(columns).astype(np.int64)
+
+
+def _group(system: System, slots: np.ndarray, known: np.ndarray) -> Group:
+    """Kernels and blocks of a group, from the slots of its nodes and whether constraints know them."""
+    _, block, lane, _, momenta, _, _ = slots.T
+    node, dof = np.nonzero(~system.free)
+    names = ["kick", "drift_held" if len(node) else "drift", *(["predict"] if system.equations.forced else [])]
+    found = [system.kernels[name] for name in names]
+    uniforms = np.zeros((3, max(kernel.width for kernel in found)))
+    uniforms[:, : len(system.uniforms)] = system.uniforms
+    addresses = [address for kernel in found for address in (kernel.run, kernel.setup)]
+    return Group(
+        system=system,
+        calls=dict.fromkeys(_CALLS, 0) | dict(zip(_CALLS, addresses, strict=False)),
+        uniforms=uniforms,
+        spans=_spans(-(-system.cells // system.kernels.lanes), set(block[known].tolist())),
+        fixed=np.column_stack([block[node], momenta[node] + dof, lane[node]]).astype(np.int64),
+    )
 
 
 def _spans(blocks: int, known: set[int]) -> np.ndarray:
@@ -104,26 +137,25 @@ def run(
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
-    explicit, rows = make_plan(system), system.equations.rows
-    data = pack(system, state if state.work is None else replace(state, work=state.work[:-1]))
+    explicit = make_plan(system)
+    data = [pack(*pair) for pair in split(system, _without_ties(state))]
     done = 0
     while done < saves:
         count = max(1, min(saves - done, CHUNK // stride))
-        frames = aligned((count, data.shape[0] - 2, rows.kept, data.shape[2]))
         works = np.zeros((count, 1, 2))
+        frames = [
+            aligned((count, own.shape[0] - 2, group.system.equations.rows.kept, own.shape[2]))
+            for group, own in zip(explicit.groups, data, strict=True)
+        ]
         outcome, reached, counts, memory = _advance(explicit, data, state, stride, frames, works)
         if reached:
-            values, momenta = (by_node(system, frames[:reached], part) for part in (rows.values, rows.momenta))
+            values, momenta, own = _unpacked(explicit, [part[:reached] for part in frames])
             last = state.step + reached * stride
             known = memory if outcome is Outcome.FINISHED else None
             state = replace(state, values=values[-1], momenta=momenta[-1], step=last, memory=known)
             more: dict[str, Any] = {}
             if system.accounted:
-                own = gather(frames[:reached], rows.forced["account"], system.cells) if rows.forced else works[:0, :0]
-                more["work"] = works[:reached]
-                if rows.forced:
-                    own = gather(frames[:reached], rows.forced["account"], system.cells)
-                    more["work"] = np.concatenate([own, works[:reached]], axis=1)
+                more["work"] = joined([*own, works[:reached]], axis=1)
                 state = replace(state, work=more["work"][-1])
             receive(values, momenta, **more)
         if outcome is not Outcome.FINISHED:
@@ -134,18 +166,35 @@ def run(
     return Result(Outcome.FINISHED, state, state.step)
 
 
+def _without_ties(state: State) -> State:
+    """The state without the account of ties, which stands behind those of the cells."""
+    return state if state.work is None else replace(state, work=state.work[:-1])
+
+
+def _unpacked(explicit: Explicit, frames: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """Values and momenta of all nodes, and accounts of the cells of groups that have them, of frames."""
+    values, momenta, accounts = [], [], []
+    for group, own in zip(explicit.groups, frames, strict=True):
+        system, rows = group.system, group.system.equations.rows
+        values.append(by_node(system, own, rows.values))
+        momenta.append(by_node(system, own, rows.momenta))
+        if rows.forced:
+            accounts.append(gather(own, rows.forced["account"], system.cells))
+    return joined(values, axis=1), joined(momenta, axis=1), accounts
+
+
 def prepare(system: System) -> None:
     """Compile or load everything a run of the system calls."""
     make_plan(system)
 
 
 def _advance(
-    explicit: Explicit, data: np.ndarray, state: State, stride: int, frames: np.ndarray, works: np.ndarray
+    explicit: Explicit, data: list[np.ndarray], state: State, stride: int, frames: list[np.ndarray], works: np.ndarray
 ) -> tuple[Outcome, int, np.ndarray, np.ndarray]:
     """One call of the driver: the outcome, the frames reached, counts (see struct problem), and the multipliers."""
     plan = explicit.plan
-    system, steps = plan.system, len(frames) * stride
-    made = problem.make_problem(plan, state, steps, len(frames), {"works": works})
+    system, steps = plan.system, len(works) * stride
+    made = problem.make_problem(plan, state, steps, len(works), {"works": works})
     if state.work is not None:
         made.arrays["energy"][1:] = state.work[-1]
     sizes = [c["start"].size for c in made.couplings]
@@ -156,32 +205,23 @@ def _advance(
     if system.loads is not None:
         times = state.origin + (state.step + np.arange(steps + 1)) * state.h
         table = np.ascontiguousarray(system.loads.table(times, state.h, state.origin))
-    saved, given = aligned(data.shape), np.zeros((plan.size + 1, system.layout.dofs))
-    numbers = {name: int(v) for name, v in zip(_CALLS, explicit.calls.reshape(-1), strict=True)}
+    given = np.zeros((plan.size + 1, system.layout.dofs))
+    groups = [_fields(*three) for three in zip(explicit.groups, data, frames, strict=True)]
+    structs = (structure("explicit_group") * len(groups))(*(fill("explicit_group", fields) for fields in groups))
     arrays = {
-        "uniforms": explicit.uniforms,
-        "data": data,
         "slot": explicit.slot,
-        "spans": explicit.spans,
-        "saved": saved,
         "given": given,
         "before": np.zeros_like(given),
         "table": table,
         "entries": explicit.entries,
         "scales": explicit.scales,
-        "fixed": explicit.fixed,
-        "frames": frames,
     }
-    numbers |= {
+    numbers = {
         "problem": ctypes.addressof(made.struct),
-        "width": explicit.uniforms.shape[1],
-        "blocks": data.shape[0] - 2,
-        "rows": data.shape[1],
-        "kept": frames.shape[2],
-        "span_count": len(explicit.spans),
+        "group": ctypes.addressof(structs),
+        "groups": len(groups),
         "columns": table.shape[1],
         "entry_count": len(explicit.scales),
-        "fixed_count": len(explicit.fixed),
     }
     struct, reached = fill("explicit_run", arrays | numbers), ctypes.c_int64(0)
     code = made.engine.advance_explicit(ctypes.byref(struct), ctypes.byref(reached))
@@ -192,6 +232,21 @@ def _advance(
         counts[3] = -1
     memory = np.concatenate([np.zeros(0), *(c["start"].reshape(-1) for c in made.couplings)])
     return outcome, reached.value, counts, memory
+
+
+def _fields(group: Group, data: np.ndarray, frames: np.ndarray) -> dict[str, Any]:
+    """Fields of struct explicit_group."""
+    arrays = {"data": data, "saved": aligned(data.shape), "frames": frames}
+    arrays |= {"uniforms": group.uniforms, "spans": group.spans, "fixed": group.fixed}
+    numbers = {
+        "width": group.uniforms.shape[1],
+        "blocks": data.shape[0] - 2,
+        "rows": data.shape[1],
+        "kept": frames.shape[2],
+        "span_count": len(group.spans),
+        "fixed_count": len(group.fixed),
+    }
+    return arrays | numbers | group.calls
 
 
 _CALLS = ("kick", "kick_setup", "drift", "drift_setup", "predict", "predict_setup")

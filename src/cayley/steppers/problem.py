@@ -31,7 +31,7 @@ class Plan:
         system: the system.
         nodes: its nodes that take part, shape (n,); cells number them by their place here, n is the ground.
         tables: ℓ, ℓ′, weights, positions of stages and controls, extrapolation.
-        terms: cells of inertia, then those of strain, forces and springs.
+        terms: cells of inertia of every density, then those of strain, forces and springs.
         constraints: cells of constraints.
         blocks: how unknowns are eliminated.
         block_of: block of every node, shape (n,).
@@ -58,6 +58,11 @@ class Plan:
     def lanes(self) -> int:
         """Doubles in a vector."""
         return self.system.kernels.lanes
+
+    @property
+    def inertia(self) -> int:
+        """How many of the terms, the first ones, are those of inertia, which alone return derivatives along rates."""
+        return sum(cells.rated for cells in self.terms)
 
     @property
     def stages(self) -> int:
@@ -236,7 +241,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
         "extent": 1.0 / reach(plan.system),
         "term": ctypes.addressof(parts[0]),
         "terms": len(terms),
-        "inertia": 1,
+        "inertia": plan.inertia,
         "coupling": ctypes.addressof(parts[1]),
         "couplings": len(couplings),
         "fronts": plan.blocks.fronts,

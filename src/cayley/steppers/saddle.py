@@ -14,24 +14,28 @@ from cayley.system.system import State, System
 
 
 def constrained_nodes(system: System) -> np.ndarray:
-    """Nodes that constraints, springs and dampers know: all of a density with constraints, else those of ties."""
-    if system.equations.density.constraints.numel():
-        return np.arange(system.size)
+    """Nodes that constraints, springs and dampers know: all of a density with constraints, of others those of ties.
+
+    Of several densities there is one at least: then a run that nothing ties together is that of a problem, too.
+    """
     ties: list[Coupling | Elastic] = [*system.joints, *system.springs]
     found = {node for tie in ties for node in (tie.first, tie.second) if node >= 0}
-    return np.array(sorted(found), dtype=np.int64)
+    for group, nodes in system.spans:
+        if group.with_constraints:
+            found.update(range(nodes.start, nodes.stop))
+    return np.array(sorted(found or {0} if system.members else found), dtype=np.int64)
 
 
 def make_plan(system: System, terms: list[Cells] | None = None) -> Plan:
     """The problem of the constrained nodes of a system, one block each."""
     nodes = constrained_nodes(system)
-    cells = [inertia_cells(system, nodes), *(terms or [])]
+    cells = [*inertia_cells(system, nodes), *(terms or [])]
     return problem.make_plan(system, nodes, CORNERS, np.arange(len(nodes)), cells, constraint_cells(system, nodes))
 
 
 def is_constrained(system: System) -> bool:
     """Whether a system has any constraint."""
-    return bool(system.equations.density.constraints.numel() or system.joints)
+    return bool(system.with_constraints or system.joints)
 
 
 def violation(system: System, values: np.ndarray, time: float = 0.0) -> list[tuple[Cells, np.ndarray]]:

@@ -1,25 +1,28 @@
 """From a Model to a compiled system: chains of nodes, constants, supports and loads as arrays."""
 
-import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from cayley.codegen.kernels import Kernels, lanes_for
-from cayley.density import library, trace
+from cayley.density import Density, trace
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
 from cayley.discrete.places import name_at, placed, plain
 from cayley.discrete.rules import Rule
-from cayley.model import Model, Part, PointMass, Rod
+from cayley.model import LagrangianPart, Model, Part, PointMass, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
 from cayley.system.body_arrays import body_arrays
 from cayley.system.compile import uniform_values
 from cayley.system.connect import connect
 from cayley.system.couplings import Coupling
+from cayley.system.groups import Group, groups_of
+from cayley.system.mixed import mixed
+from cayley.system.own_arrays import own_arrays
 from cayley.system.redundancy import redundant
-from cayley.system.rod_arrays import CONSTRAINED, STRAIN_CONSTANTS, PartArrays, rod_arrays
+from cayley.system.rod_arrays import STRAIN_CONSTANTS, PartArrays, rod_arrays
 from cayley.system.rod_forces import with_forces
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
@@ -28,7 +31,9 @@ from cayley.system.tables import time_table
 def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", account: bool = False) -> System:
     """Compile the equations of a model.
 
-    All parts run in one sweep, a chain of nodes each, of one node a body; constants that differ become arrays.
+    Parts of one density run in one sweep, a chain of nodes each, of one node a body; constants that differ become
+    arrays. Rods of another kinematics and parts with a Lagrangian of their own have densities of theirs, members of the
+    system.
 
     Args:
         model: the model.
@@ -36,22 +41,49 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
         rotation: "quaternion" or "matrix".
         account: keep account of the work of loads; it is kept anyway where there are forces beside the Lagrangian.
 
-    Returns: the System; its nodes are those of the parts, one part after the other.
+    Returns: the System; its nodes are those of the parts, one part after the other, density by density.
 
     Raises:
-        ValueError: rods of different kinematics, joints with matrices, or redundant constraints of joints.
+        ValueError: joints or several densities with matrices, a Lagrangian that does not work, or redundant constraints
+            of joints.
     """
-    kinematics = _one_kinematics(model.rods)
-    lagrangian, forces = with_forces(_KINEMATICS[kinematics], model, CONSTRAINED[kinematics])
     gravity = sum(
         (np.asarray(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3)
     )
-    rods = {id(rod): rod_arrays(rod, rule, gravity) for rod in model.rods}
-    beside = next(iter(rods.values()), None)
-    parts = [
-        rods[id(part)] if isinstance(part, Rod) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
-        for part in model.parts
-    ]
+    drafts = [_draft(group, model, rule, gravity) for group in groups_of(model)]
+    cells = sum((part.size - 1) // rule.cell + 1 for draft in drafts for part in draft.parts)
+    lanes = lanes_for(rule.cell, cells)
+    # explicit rules take two sweeps a step for all or for none
+    forced = account or (len(drafts) > 1 and any(draft.density.force is not None for draft in drafts))
+    members = [_member(draft, rule, rotation, lanes, account=forced) for draft in drafts]
+    whole = members[0] if len(members) == 1 else mixed(members)
+    layout, free = whole.layout, _free(model, whole.layout, rule.degree)
+    if whole.members:
+        _check_form(layout, "several kinds of parts")
+        owned = [replace(member, free=free[nodes]) for member, nodes in whole.spans]
+        whole = replace(whole, members=tuple(owned))
+    joints, springs = connect(model, first_nodes(model, rule.degree), rule.degree)
+    if joints or springs:
+        _check_joints(layout, whole.reference, free, joints)
+    loads = _loads(model, layout, whole.named["weight"], rule.degree)
+    return replace(whole, free=free, loads=loads, joints=joints, springs=springs, account=account)
+
+
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """A group of parts on the way to its system."""
+
+    density: Density
+    parts: list[PartArrays]
+    entries: dict[str, np.ndarray]
+    named: dict[str, np.ndarray]
+
+
+def _draft(group: Group, model: Model, rule: Rule, gravity: np.ndarray) -> _Draft:
+    """Trace the density of a group with the forces on its parts, its constants as arrays."""
+    lagrangian, forces = with_forces(group.lagrangian, model, group.parts, group.constrained)
+    beside = next((rod_arrays(part, rule, gravity) for part in group.parts if isinstance(part, Rod)), None)
+    parts = [_arrays(part, rule, gravity, beside) for part in group.parts]
     constants = _joined(parts) | _forced(forces, parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
     density = trace(lagrangian, patterns)
@@ -59,40 +91,48 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
     entries |= _within(constants, entries, rule)
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
+    return _Draft(density, parts, entries, named)
+
+
+def _arrays(part: Part, rule: Rule, gravity: np.ndarray, beside: PartArrays | None) -> PartArrays:
+    if isinstance(part, Rod):
+        return rod_arrays(part, rule, gravity)
+    return own_arrays(part, rule) if isinstance(part, LagrangianPart) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
+
+
+def _member(draft: _Draft, rule: Rule, rotation: str, lanes: int, *, account: bool) -> System:
+    """The system of a group, without supports and ties."""
+    entries, parts = draft.entries, draft.parts
     within = {plain(name) for name in placed(entries)}
     varying = [n for n, values in entries.items() if plain(n) in within or np.any(values != values[0])]
     _refuse_within(rule, varying)
-    equations = derive(density, rule, rotation=rotation, varying=varying, account=account)
-    named |= {name: entries[name] for name in varying}
-    layout, counts = equations.layout, [part.size for part in parts]
-    reference = np.zeros((sum(counts), layout.rows))
+    equations = derive(draft.density, rule, rotation=rotation, varying=varying, account=account)
+    layout = equations.layout
+    reference = np.zeros((sum(part.size for part in parts), layout.rows))
     reference[:, layout.rows_of("x")] = np.concatenate([part.position for part in parts])
     turned = np.concatenate([part.rotation for part in parts])
     reference[:, layout.rows_of("p")] = layout.representation.from_quaternion(turned)
     first = {name: float(values[0]) for name, values in entries.items()}
-    free = _free(model, layout, rule.degree)
-    joints, springs = connect(model, first_nodes(model, rule.degree), rule.degree)
-    if joints or springs:
-        _check_joints(layout, reference, free, joints)
     return System(
         equations=equations,
-        kernels=Kernels(equations, lanes_for(rule.cell, sum((count - 1) // rule.cell + 1 for count in counts))),
+        kernels=Kernels(equations, lanes),
         uniforms=uniform_values(equations, first),
-        named=named,
-        free=free,
-        chains=tuple(counts),
-        loads=_loads(model, layout, named["weight"], rule.degree),
+        named=draft.named | {name: entries[name] for name in varying},
+        free=np.ones((len(reference), layout.dofs), dtype=bool),
+        chains=tuple(part.size for part in parts),
         reference=reference,
-        joints=joints,
-        springs=springs,
         account=account,
     )
 
 
 def spans(model: Model, degree: int) -> list[slice]:
-    """Nodes of each part among all nodes, with degree − 1 nodes inside every element."""
-    edges = np.cumsum([0, *[(part.node_count - 1) * degree + 1 for part in model.parts]])
-    return [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
+    """Nodes of each part among all nodes, with degree − 1 nodes inside every element; group follows group."""
+    found, first = {}, 0
+    for part in (part for group in groups_of(model) for part in group.parts):
+        count = (part.node_count - 1) * degree + 1
+        found[id(part)] = slice(first, first + count)
+        first += count
+    return [found[id(part)] for part in model.parts]
 
 
 def first_nodes(model: Model, degree: int) -> dict[int, int]:
@@ -102,14 +142,18 @@ def first_nodes(model: Model, degree: int) -> dict[int, int]:
 
 def _check_joints(layout: Layout, reference: np.ndarray, free: np.ndarray, joints: Sequence[Coupling]) -> None:
     """Refuse joints of rotations as matrices, and constraints that follow from others."""
-    if layout.representation.name != "quaternion":
-        raise ValueError("Model: joints and springs want rotation='quaternion'; leave rotation out")
+    _check_form(layout, "joints and springs")
     lines = redundant(layout, reference, free, joints)
     if lines:
         raise ValueError(
             f"Model: {len(lines)} joint{'s are' if len(lines) > 1 else ' is'} redundant at the start, so their forces "
             f"are not unique ({'; '.join(lines)}); hold less, such as by a ball instead of a hinge"
         )
+
+
+def _check_form(layout: Layout, what: str) -> None:
+    if layout.representation.name != "quaternion":
+        raise ValueError(f"Model: {what} want rotation='quaternion'; leave rotation out")
 
 
 def initial_values(model: Model, system: System, initial: Mapping[Any, Mapping[str, Any]]) -> tuple[np.ndarray, ...]:
@@ -175,26 +219,6 @@ def _nodal(value: Any, nodes: np.ndarray, width: int, where: str) -> np.ndarray:
     return array
 
 
-_KINEMATICS = {
-    "shearable": library.rod,
-    "unshearable": library.unshearable_rod,
-    "inextensible": library.inextensible_rod,
-}
-"""The density of each kinematics."""
-
-
-def _one_kinematics(rods: Sequence[Rod]) -> str:
-    """The kinematics of all rods.
-
-    Raises:
-        ValueError: if they differ; a model is stepped by one set of kernels.
-    """
-    found = sorted({rod.kinematics for rod in rods}) or ["shearable"]
-    if len(found) > 1:
-        raise ValueError(f"Model: its rods are {' and '.join(found)}; give all rods of one model the same kinematics")
-    return found[0]
-
-
 def _joined(parts: Sequence[PartArrays]) -> dict[str, np.ndarray]:
     """Constants of all nodes; a part without values of its own at a place of an element has those of place 0 there."""
     names = dict.fromkeys(name for part in parts for name in part.constants)
@@ -258,11 +282,15 @@ def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:
 
 def _free(model: Model, layout: Layout, degree: int) -> np.ndarray:
     among = spans(model, degree)
-    free = np.ones((among[-1].stop, layout.dofs), dtype=bool)
+    free = np.ones((max(nodes.stop for nodes in among), layout.dofs), dtype=bool)
     starts = first_nodes(model, degree)
-    for part in model.parts:
+    for part, nodes in zip(model.parts, among, strict=True):
         if isinstance(part, PointMass):
-            free[starts[id(part)], layout.dofs_of("p")] = False
+            free[nodes, layout.dofs_of("p")] = False
+        elif isinstance(part, LagrangianPart):
+            for name, held in zip(("x", "p"), part.held, strict=True):
+                if held:
+                    free[nodes, layout.dofs_of(name)] = False
     for support in model.supports:
         node = starts[id(support.port.part)] + support.port.node * degree
         free[node, layout.dofs_of("x")] &= ~np.array(support.held_position)

@@ -8,7 +8,7 @@ import numpy as np
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.node import node_point
 from cayley.discrete.representation import continuous
-from cayley.system.system import State, System, by_node, pack
+from cayley.system.system import State, System, by_node, joined, pack, split
 
 
 def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, time: float = 0.0) -> State:
@@ -29,6 +29,10 @@ def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, t
 
 def velocities_of(system: System, state: State) -> np.ndarray:
     """Velocities of every node, shape (nodes, dofs), from its momenta, zero where held."""
+    return joined([_velocities_of(*pair) for pair in split(system, state)])
+
+
+def _velocities_of(system: System, state: State) -> np.ndarray:
     kernel, rows = system.kernels["observe"], system.equations.rows
     uniforms = np.zeros(kernel.width)
     uniforms[: len(system.uniforms)] = system.uniforms
@@ -65,6 +69,10 @@ def momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: f
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 2.
     """
+    return joined([_momenta_of(group, values[nodes], velocity[nodes], time) for group, nodes in system.spans])
+
+
+def _momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
     layout, density = system.layout, system.equations.density
     node, v = symbols("q", layout.rows), symbols("v", layout.dofs)
     here, t, weight = (wrap(ca.SX.sym(name)) for name in ("here", "t", "weight"))

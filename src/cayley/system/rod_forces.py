@@ -51,24 +51,25 @@ class Fragment:
 
 
 def with_forces(
-    lagrangian: Lagrangian, model: Model, constrained: int
+    lagrangian: Lagrangian, model: Model, parts: Sequence[Part], constrained: int
 ) -> tuple[Lagrangian, list[dict[str, np.ndarray]]]:
-    """The Lagrangian of the rods with the forces of a model, and the constants these take, for every part.
+    """The Lagrangian of some parts with the forces of a model on them, and the constants these take, for every part.
 
     Args:
-        lagrangian: of the rods.
+        lagrangian: of the parts.
         model: the model.
+        parts: parts of it.
         constrained: how many of the six strains the Lagrangian constrains, the first ones.
 
     Returns: the same Lagrangian if there are no forces.
     """
-    by_part = [_labeled(_fragments(model, part, constrained)) for part in model.parts]
+    by_part = [_labeled(_fragments(model, part, constrained)) for part in parts]
     found: dict[tuple[Any, ...], Fragment] = {}
     for fragments in by_part:
         for key, fragment in fragments.items():
             found.setdefault(key, fragment)
     if not found:
-        return lagrangian, [{} for _ in model.parts]
+        return lagrangian, [{} for _ in parts]
     labels = {key: f"{key[0]}{k}" for k, key in enumerate(found)}
 
     def force(q: Any, c: Any) -> Pairs:

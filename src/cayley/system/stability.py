@@ -11,9 +11,9 @@ from cayley.discrete.node import mass_matrix, node_load, node_point, tangent
 from cayley.discrete.places import constants_at, placed
 from cayley.discrete.polynomial import polynomial_forces
 from cayley.discrete.rules import lobatto_weights
-from cayley.system.damping import forced_matrices
+from cayley.system.damping import Matrices, forced_matrices
 from cayley.system.spring_limits import largest, spring_columns
-from cayley.system.system import System
+from cayley.system.system import System, joined
 
 SHARPNESS = 1.02
 DENSE = 400
@@ -42,15 +42,19 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
 
     Returns: the step [s]; infinite where nothing oscillates, not a number where springs have no finite derivatives.
     """
-    masses, stiffness = _matrices(system, values)
+    masses, elements, loads = (
+        joined(arrays)
+        for arrays in zip(*(_matrices(group, values[nodes]) for group, nodes in system.spans), strict=True)
+    )
+    stiffness = elements, loads
     try:
         springs, dampers = _tied(system, values, masses)
     except FloatingPointError:
         return float("nan")
     damping: tuple[np.ndarray, np.ndarray] | None = None
-    if system.equations.density.force is not None:
+    if system.with_forces:
         motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates
-        more, damping = forced_matrices(system, _inputs(system, values), _lengths(system), motion)
+        more, damping = _forced(system, values, motion)
         stiffness = (stiffness[0] + more[0], stiffness[1] + more[1])
     elif dampers is not None:
         damping = (np.zeros_like(stiffness[0]), np.zeros_like(stiffness[1]))
@@ -58,6 +62,16 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
     rate = 0.0 if damping is None else _highest(system, masses, damping, dampers, 2.0 / enough)
     limits = [2.0 / np.sqrt(squared) if squared > 0.0 else np.inf, 2.0 / rate if rate > 0.0 else np.inf]
     return float(min(limits))
+
+
+def _forced(system: System, values: np.ndarray, rates: np.ndarray) -> tuple[Matrices, Matrices]:
+    """What forces beside the Lagrangian add to the stiffness, and their damping, of all groups."""
+    found = [
+        forced_matrices(group, _inputs(group, values[nodes]), _lengths(group), rates[nodes])
+        for group, nodes in system.spans
+    ]
+    stiffness, damping = ((joined([one[k][0] for one in found]), joined([one[k][1] for one in found])) for k in (0, 1))
+    return stiffness, damping
 
 
 def _tied(system: System, values: np.ndarray, masses: np.ndarray) -> tuple[csc_array | None, csc_array | None]:
@@ -90,7 +104,7 @@ def _highest(
     return _certify(bands, ties, bound)
 
 
-def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Masses of nodes (n, d, d); stiffness of elements, each at its first node, and of node loads (n, d, d).
 
     Elements of degree m have matrices of size (m + 1) d.
@@ -98,7 +112,7 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
     equations, layout = system.equations, system.layout
     density = equations.density
     along = density.lagrangian.interval
-    ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rows.cell + 1)]
+    ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rule.cell + 1)]
     names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
     extra = {n: ca.SX.sym(n) for n in placed(equations.varying)}
     place = names | {"here": names["left"]}
@@ -110,7 +124,7 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
         -ca.jacobian(load, to_sx(ends[0])) @ tangents[0],
     ]
     if along is not None:
-        if equations.rows.cell == 1:
+        if equations.rule.cell == 1:
             forces = list(element_forces(density, equations.rule.strain, layout, (ends[0], ends[1]), place))
         else:
             forces = polynomial_forces(density, equations.rule.strain, layout, ends, place)
@@ -138,14 +152,14 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, tuple[np.
     masses, loads = shaped[0], shaped[1]
     elements = shaped[2] if along is not None else np.zeros((system.size, width, width))
     elements[_lengths(system) == 0.0] = 0.0
-    return masses, (0.5 * (elements + elements.transpose(0, 2, 1)), 0.5 * (loads + loads.transpose(0, 2, 1)))
+    return masses, 0.5 * (elements + elements.transpose(0, 2, 1)), 0.5 * (loads + loads.transpose(0, 2, 1))
 
 
 def _lengths(system: System) -> np.ndarray:
     """Length of the element that starts at a node, 0 where none does, shape (nodes,)."""
     found = np.zeros(system.size)
     if "length" in system.named:
-        cell, spaces = system.equations.rows.cell, system.named["length"]
+        cell, spaces = system.equations.rule.cell, system.named["length"]
         starts = np.flatnonzero((system.slots % cell == 0) & (spaces > 0.0))
         found[starts] = sum(spaces[starts + k] for k in range(cell))
     return found
@@ -153,7 +167,7 @@ def _lengths(system: System) -> np.ndarray:
 
 def _inputs(system: System, values: np.ndarray) -> np.ndarray:
     """Rows of inputs of the linearization, shape (nodes, inputs)."""
-    cell, lengths = system.equations.rows.cell, _lengths(system)
+    cell, lengths = system.equations.rule.cell, _lengths(system)
     others = np.column_stack([np.roll(values, -1 - k, axis=0) for k in range(cell)])
     if cell > 1:
         others[lengths == 0.0] = 0.0  # nothing comes of these
@@ -193,7 +207,7 @@ def _scaled_elements(system: System, masses: np.ndarray, stiffness: tuple[np.nda
     roots = _inverse_roots(masses)
     if "length" not in system.named:
         return roots @ loads @ roots
-    lengths, weight, cell = _lengths(system), system.named["weight"], system.equations.rows.cell
+    lengths, weight, cell = _lengths(system), system.named["weight"], system.equations.rule.cell
     inside = np.flatnonzero(lengths > 0.0)
     d = system.layout.dofs
     k = elements[inside].copy()
@@ -240,7 +254,7 @@ def _assemble(
 ) -> list[np.ndarray]:
     """M^(−½) K M^(−½) as a block banded matrix: its blocks (i, i + k), k = 0 ... m, shape (n − k, d, d) each."""
     elements, loads = stiffness
-    n, d, cell = system.size, system.layout.dofs, system.equations.rows.cell
+    n, d, cell = system.size, system.layout.dofs, system.equations.rule.cell
     roots = _inverse_roots(masses) * free[:, :, None] * free[:, None, :]
     bands = [loads.copy(), *(np.zeros((max(n - k, 0), d, d)) for k in range(1, cell + 1))]
     for k, band in enumerate(bands):

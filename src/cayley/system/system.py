@@ -1,7 +1,8 @@
 """A compiled system: discrete equations, machine code, and the arrays they work on."""
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -88,6 +89,9 @@ class LoadEntries:
 class System:
     """Discrete equations with numbers: what steppers step.
 
+    Several densities are several members, systems of one density each, over consecutive nodes; equations, kernels,
+    uniforms and named are then what they have in common (see mixed.py), and whatever needs more asks every member.
+
     Args:
         equations: the discrete equations.
         kernels: their machine code.
@@ -100,6 +104,7 @@ class System:
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
         account: whether a run keeps account of the work of loads, whatever else it does.
+        members: of several densities, the system of each, without loads, joints and springs; else none.
         plans: what steppers have prepared for it, by their names; another system made from this one has none.
     """
 
@@ -114,6 +119,7 @@ class System:
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
     account: bool = False
+    members: tuple["System", ...] = ()
     plans: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -127,22 +133,42 @@ class System:
         return sum(self.chains)
 
     @property
+    def groups(self) -> tuple["System", ...]:
+        """The system of every density; of a single one, the system itself."""
+        return self.members or (self,)
+
+    @property
+    def spans(self) -> list[tuple["System", slice]]:
+        """The groups, each with its nodes among all."""
+        edges = np.cumsum([0, *[group.size for group in self.groups]]).tolist()
+        return [(group, slice(a, b)) for group, (a, b) in zip(self.groups, itertools.pairwise(edges), strict=True)]
+
+    @property
+    def with_forces(self) -> bool:
+        """Whether there are forces beside a Lagrangian."""
+        return any(group.equations.density.force is not None for group in self.groups)
+
+    @property
+    def with_constraints(self) -> bool:
+        """Whether a density has constraints."""
+        return any(group.equations.density.constraints.numel() for group in self.groups)
+
+    @property
     def accounted(self) -> bool:
         """Whether a run keeps an account of work and loss: on request, with forces beside the Lagrangian or drives."""
-        forced = self.equations.density.force is not None
         driven = any(joint.drive is not None for joint in self.joints)
-        return self.account or forced or driven or any(spring.damped for spring in self.springs)
+        return self.account or self.with_forces or driven or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:
         """Number of lanes that kernels of explicit rules work on: one for every element and one to close each chain."""
-        cell = self.equations.rows.cell
+        cell = self.equations.rule.cell
         return sum((count - 1) // cell + 1 for count in self.chains)
 
     @property
     def slots(self) -> np.ndarray:
         """Where each node is among those of all cells, cell × nodes of a cell + position in it, shape (nodes,)."""
-        cell = self.equations.rows.cell
+        cell = self.equations.rule.cell
         padding = np.repeat(np.arange(len(self.chains)), self.chains) * (cell - 1)
         return np.arange(self.size) + padding
 
@@ -182,7 +208,7 @@ class System:
             return float("inf")
         from cayley.system.stability import stable_dt
 
-        if state is None or self.equations.density.force is None:
+        if state is None or not self.with_forces:
             return stable_dt(self, self.reference if state is None else state.values, enough=enough)
         from cayley.system.legendre import velocities_of
 
@@ -190,6 +216,8 @@ class System:
 
     def __str__(self) -> str:
         """Describe rule, structure and size."""
+        if self.members:
+            return "\n".join(map(str, self.members))
         e = self.equations
         nodes = f"{self.size} node{'s' if self.size > 1 else ''}"
         head = f"{e.density.lagrangian} under the rule {e.rule} ({self.layout.representation.name} form)"
@@ -197,8 +225,30 @@ class System:
         return f"{head}\n  {size}\n  {e.structure}"
 
 
+def split(system: System, state: State) -> list[tuple[System, State]]:
+    """The groups of a system, each with its part of a state."""
+    if not system.members:
+        return [(system, state)]
+    found, first = [], 0
+    for group, nodes in system.spans:
+        cells = slice(first, first + group.cells)
+        work = None if state.work is None else state.work[cells]
+        found.append((group, replace(state, values=state.values[nodes], momenta=state.momenta[nodes], work=work)))
+        first += group.cells
+    return found
+
+
+def joined(arrays: Sequence[np.ndarray], axis: int = 0) -> np.ndarray:
+    """Arrays of all groups as one; of a single one without a copy."""
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays, axis=axis)
+
+
 def pack(system: System, state: State) -> np.ndarray:
     """Blocks of lanes for the kernels.
+
+    Args:
+        system: a system of one density.
+        state: its state.
 
     Returns: shape (blocks + 2, rows, lanes), aligned to 64 bytes; the first and last block are padding.
     """

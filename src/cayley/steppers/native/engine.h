@@ -164,14 +164,13 @@ struct problem {
     double *energy;      /* work of loads in a step; work and loss since the start, [3] */
 };
 
-/* A run of a rule with corners in time and constraints; the problem holds the nodes that constraints know, with r = 1. */
-struct explicit_run {
-    struct problem *problem;
+/* The blocks of one density in a run of a rule with corners in time, and its kernels. */
+struct explicit_group {
     i64 kick;            /* kernel: adds h times the forces to the momenta */
     i64 kick_setup;
     i64 drift;           /* kernel: from momenta to the values and momenta of the next time */
     i64 drift_setup;
-    i64 predict;         /* kernel: velocities for forces that depend on them, or 0 */
+    i64 predict;         /* kernel: velocities for forces that depend on them, or 0 (then it is 0 in all groups) */
     i64 predict_setup;
     double *uniforms;    /* [3][width], h and the two times first */
     i64 width;
@@ -179,20 +178,27 @@ struct explicit_run {
     i64 blocks;
     i64 rows;
     i64 kept;            /* rows of a frame */
-    i64 *slot;           /* (block, lane, first row of its values, of its momenta, of v* or -1) of a node, [nodes][5] */
     i64 *spans;          /* (first block, last block, whether constraints know it), [span_count][3] */
     i64 span_count;
     double *saved;       /* room, as data */
+    i64 *fixed;          /* (block, row, lane) of momenta that stay zero, [fixed_count][3] */
+    i64 fixed_count;
+    double *frames;      /* [saves][blocks][kept][LANES] */
+};
+
+/* A run of a rule with corners in time and constraints; the problem holds the nodes that constraints know, with r = 1. */
+struct explicit_run {
+    struct problem *problem;
+    struct explicit_group *group;
+    i64 groups;
+    i64 *slot;           /* (group, block, lane, first row of its values, of its momenta, of v* or -1), [nodes][6] */
     double *given;       /* momenta after the kick, [nodes + 1][dofs] */
     double *before;      /* those before, [nodes + 1][dofs] */
     double *table;       /* loads at the times, [steps + 1][columns] */
     i64 columns;
-    i64 *entries;        /* (block, lane, row, row of rotation, form, column), [entry_count][6] */
+    i64 *entries;        /* (group, block, lane, row, row of rotation, form, column), [entry_count][7] */
     double *scales;      /* factor and lever of each, [entry_count][4] */
     i64 entry_count;
-    i64 *fixed;          /* (block, row, lane) of momenta that stay zero, [fixed_count][3] */
-    i64 fixed_count;
-    double *frames;      /* [saves][blocks][kept][LANES] */
 };
 
 /* What the library was compiled from, see native/fingerprint.py. */

@@ -14,16 +14,22 @@
 
 static const i64 MOST_PASSES = 50;
 
-static double *row_of(struct explicit_run *e, i64 block, i64 row)
+static double *row_of(struct explicit_group *g, i64 block, i64 row)
 {
-    return e->data + (block * e->rows + row) * LANES;
+    return g->data + (block * g->rows + row) * LANES;
+}
+
+/* A row of a node: the block of its slot. */
+static double *part_of(struct explicit_run *e, const i64 *slot, i64 row)
+{
+    return row_of(e->group + slot[0], slot[1], row) + slot[2];
 }
 
 /* Give a kernel its step and times. */
-static double *times(struct explicit_run *e, i64 which, i64 setup, double h, i64 number, i64 following)
+static double *times(struct problem *p, struct explicit_group *g, i64 which, i64 setup, double h, i64 number,
+                     i64 following)
 {
-    struct problem *p = e->problem;
-    double *u = e->uniforms + which * e->width;
+    double *u = g->uniforms + which * g->width;
     u[0] = h, u[1] = p->origin + (p->first + (double)number) * p->h;
     u[2] = p->origin + (p->first + (double)following) * p->h;
     ((prepare)setup)(u);
@@ -34,12 +40,12 @@ static double *times(struct explicit_run *e, i64 which, i64 setup, double h, i64
 static void load(struct explicit_run *e, i64 number, double part)
 {
     for (i64 n = 0; n < e->entry_count; n++) {
-        const i64 *entry = e->entries + 6 * n, lane = entry[1], form = entry[4];
-        const double *given = e->table + number * e->columns + entry[5];
+        const i64 *entry = e->entries + 7 * n, form = entry[5];
+        const double *given = e->table + number * e->columns + entry[6];
         const double *scale = e->scales + 4 * n, *lever = scale + 1;
         double s = part * scale[0], u = s * given[0], v = s * given[1], w = s * given[2];
         if (form) {
-            const double *p = row_of(e, entry[0], entry[3]) + lane;
+            const double *p = part_of(e, entry, entry[4]);
             double r = 2.0 * p[0] * (form == 2 ? 1.0 : -1.0), x = p[LANES], y = p[2 * LANES], z = p[3 * LANES];
             double a = y * w - z * v, b = z * u - x * w, c = x * v - y * u;
             u += r * a + 2.0 * (y * c - z * b), v += r * b + 2.0 * (z * a - x * c), w += r * c + 2.0 * (x * b - y * a);
@@ -48,7 +54,7 @@ static void load(struct explicit_run *e, i64 number, double part)
             double a = lever[1] * w - lever[2] * v, b = lever[2] * u - lever[0] * w;
             w = lever[0] * v - lever[1] * u, u = a, v = b;
         }
-        double *out = row_of(e, entry[0], entry[2]) + lane;
+        double *out = part_of(e, entry, entry[3]);
         out[0] += u, out[LANES] += v, out[2 * LANES] += w;
     }
 }
@@ -58,8 +64,8 @@ static void collect(struct explicit_run *e, i64 i, double *momenta)
 {
     struct problem *p = e->problem;
     for (i64 n = 0; n < p->nodes; n++) {
-        const i64 *slot = e->slot + 5 * n;
-        const double *value = row_of(e, slot[0], slot[2]) + slot[1], *mu = row_of(e, slot[0], slot[3]) + slot[1];
+        const i64 *slot = e->slot + 6 * n;
+        const double *value = part_of(e, slot, slot[3]), *mu = part_of(e, slot, slot[4]);
         double *out = p->control + (i * (p->nodes + 1) + n) * p->rows;
         for (i64 k = 0; k < p->rows; k++) out[k] = value[k * LANES];
         for (i64 d = 0; d < p->dofs && momenta; d++) momenta[n * p->dofs + d] = mu[d * LANES];
@@ -70,8 +76,8 @@ static void put_momenta(struct explicit_run *e, const double *momenta)
 {
     struct problem *p = e->problem;
     for (i64 n = 0; n < p->nodes; n++) {
-        const i64 *slot = e->slot + 5 * n;
-        double *mu = row_of(e, slot[0], slot[3]) + slot[1];
+        const i64 *slot = e->slot + 6 * n;
+        double *mu = part_of(e, slot, slot[4]);
         for (i64 d = 0; d < p->dofs; d++) mu[d * LANES] = momenta[n * p->dofs + d];
     }
 }
@@ -82,8 +88,8 @@ static void complete_predicted(struct explicit_run *e, i64 number, i64 i, double
 {
     struct problem *p = e->problem;
     for (i64 n = 0; n < p->nodes; n++) {
-        const i64 *slot = e->slot + 5 * n;
-        const double *v = row_of(e, slot[0], slot[4]) + slot[1];
+        const i64 *slot = e->slot + 6 * n;
+        const double *v = part_of(e, slot, slot[5]);
         for (i64 d = 0; d < p->dofs; d++) p->velocity[n * p->dofs + d] = v[d * LANES];
     }
     multiply_mass(p, p->velocity, p->momenta);
@@ -94,8 +100,8 @@ static void complete_predicted(struct explicit_run *e, i64 number, i64 i, double
     }
     velocities(p, number, i, p->h, p->momenta, p->velocity);
     for (i64 n = 0; n < p->nodes; n++) {
-        const i64 *slot = e->slot + 5 * n;
-        double *v = row_of(e, slot[0], slot[4]) + slot[1];
+        const i64 *slot = e->slot + 6 * n;
+        double *v = part_of(e, slot, slot[5]);
         for (i64 d = 0; d < p->dofs; d++) v[d * LANES] = p->velocity[n * p->dofs + d];
     }
 }
@@ -109,15 +115,20 @@ static void kick(struct explicit_run *e, i64 number, double part, i64 known, i64
     struct problem *p = e->problem;
     i64 size = (p->nodes + 1) * p->dofs;
     collect(e, 0, e->before);
-    if (e->predict) {
+    i64 predicted = e->group->predict != 0;
+    if (predicted) {
         load(e, number, 1.0);
-        double *u = times(e, 2, e->predict_setup, known ? 0.0 : p->h, number, number + 1);
-        ((kernel)e->predict)(e->data, u, 1, e->blocks + 1);
+        for (struct explicit_group *g = e->group; g < e->group + e->groups; g++) {
+            double *u = times(p, g, 2, g->predict_setup, known ? 0.0 : p->h, number, number + 1);
+            ((kernel)g->predict)(g->data, u, 1, g->blocks + 1);
+        }
         complete_predicted(e, number_of, i, known ? 0.0 : 0.5 * p->h);
     }
-    double *u = times(e, 0, e->kick_setup, part, number, number);
-    ((kernel)e->kick)(e->data, u, 1, e->blocks + 1);
-    if (!e->predict) load(e, number, part);
+    for (struct explicit_group *g = e->group; g < e->group + e->groups; g++) {
+        double *u = times(p, g, 0, g->kick_setup, part, number, number);
+        ((kernel)g->kick)(g->data, u, 1, g->blocks + 1);
+    }
+    if (!predicted) load(e, number, part);
     collect(e, 0, e->given);
     if (p->terms == p->inertia) return;
     add_ties(p, 0, 0, part, e->given);
@@ -137,23 +148,27 @@ static void kick(struct explicit_run *e, i64 number, double part, i64 known, i64
     put_momenta(e, e->given);
 }
 
-/* Copy the blocks that constraints know. */
-static void copy_known(struct explicit_run *e, double *to, const double *from)
+/* Copy the blocks that constraints know out of the data, or back. */
+static void copy_known(struct explicit_run *e, i64 back)
 {
-    for (i64 n = 0; n < e->span_count; n++) {
-        const i64 *span = e->spans + 3 * n;
-        i64 offset = span[0] * e->rows * LANES, size = (span[1] - span[0]) * e->rows * LANES;
-        if (span[2]) memcpy(to + offset, from + offset, (size_t)size * sizeof(double));
-    }
+    for (struct explicit_group *g = e->group; g < e->group + e->groups; g++)
+        for (i64 n = 0; n < g->span_count; n++) {
+            const i64 *span = g->spans + 3 * n;
+            i64 offset = span[0] * g->rows * LANES, size = (span[1] - span[0]) * g->rows * LANES;
+            double *data = g->data + offset, *saved = g->saved + offset;
+            if (span[2]) memcpy(back ? data : saved, back ? saved : data, (size_t)size * sizeof(double));
+        }
 }
 
 static i64 drift(struct explicit_run *e, i64 number, i64 first)
 {
     i64 bad = 0;
-    double *u = times(e, 1, e->drift_setup, e->problem->h, number, number + 1);
-    for (i64 n = 0; n < e->span_count; n++) {
-        const i64 *span = e->spans + 3 * n;
-        if (first || span[2]) bad += ((kernel)e->drift)(e->data, u, span[0], span[1]);
+    for (struct explicit_group *g = e->group; g < e->group + e->groups; g++) {
+        double *u = times(e->problem, g, 1, g->drift_setup, e->problem->h, number, number + 1);
+        for (i64 n = 0; n < g->span_count; n++) {
+            const i64 *span = g->spans + 3 * n;
+            if (first || span[2]) bad += ((kernel)g->drift)(g->data, u, span[0], span[1]);
+        }
     }
     return bad;
 }
@@ -210,9 +225,9 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
     kick(e, number, part, j == 0, number, 0);
     guess(p, j > 1);
     double floor = rounding(p);
-    copy_known(e, e->saved, e->data);
+    copy_known(e, 0);
     for (i64 pass = 0; pass < MOST_PASSES; pass++) {
-        if (pass) copy_known(e, e->data, e->saved);
+        if (pass) copy_known(e, 1);
         memcpy(p->momenta, e->given, (size_t)((p->nodes + 1) * p->dofs) * sizeof(double));
         push_multipliers(p, part, p->momenta);
         put_momenta(e, p->momenta);
@@ -245,10 +260,11 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
 
 static void hold_momenta(struct explicit_run *e)
 {
-    for (i64 k = 0; k < e->fixed_count; k++) {
-        const i64 *place = e->fixed + 3 * k;
-        row_of(e, place[0], place[1])[place[2]] = 0.0;
-    }
+    for (struct explicit_group *g = e->group; g < e->group + e->groups; g++)
+        for (i64 k = 0; k < g->fixed_count; k++) {
+            const i64 *place = g->fixed + 3 * k;
+            row_of(g, place[0], place[1])[place[2]] = 0.0;
+        }
 }
 
 /* Advance through ``saves`` saves of ``stride`` steps each; ``reached`` is the number of saves written. */
@@ -278,12 +294,13 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
         hold_momenta(e);
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         double check = 0.0;
-        for (i64 block = 0; block < e->blocks; block++) {
-            const double *from = row_of(e, block + 1, 0);
-            double *to = e->frames + (*reached * e->blocks + block) * e->kept * LANES;
-            memcpy(to, from, (size_t)(e->kept * LANES) * sizeof(double));
-            for (i64 k = 0; k < e->kept * LANES; k++) check += 0.0 * to[k];
-        }
+        for (struct explicit_group *g = e->group; g < e->group + e->groups; g++)
+            for (i64 block = 0; block < g->blocks; block++) {
+                const double *from = row_of(g, block + 1, 0);
+                double *to = g->frames + (*reached * g->blocks + block) * g->kept * LANES;
+                memcpy(to, from, (size_t)(g->kept * LANES) * sizeof(double));
+                for (i64 k = 0; k < g->kept * LANES; k++) check += 0.0 * to[k];
+            }
         if (!isfinite(check)) return NOT_FINITE;
     }
     return FINISHED;
