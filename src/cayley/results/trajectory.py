@@ -10,6 +10,7 @@ import numpy as np
 from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
 from cayley.model import Body, LagrangianPart, Model, PointMass
+from cayley.results.forces_record import Unstored
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
@@ -67,13 +68,19 @@ class Trajectory:
         """The system that ran; that of an opened run of a model is compiled when first asked for.
 
         Raises:
-            ValueError: for an opened run of a Lagrangian of your own, whose function is not in the store.
+            ValueError: for an opened run with a Lagrangian of your own, whose function is not in the store.
         """
         if self.model is None:
             raise ValueError(
                 "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
                 "it again, and go on with cy.integrate(system, run.state, t_end=...)"
             )
+        for part in self.model.own_parts:
+            if isinstance(part.lagrangian.function, Unstored):
+                raise ValueError(
+                    f"the Lagrangian {part.lagrangian.name} of {part.label} is not in the store, only its name; open "
+                    "the run with model=... to give it again"
+                )
         rotation, rule, work = self.outline.layout.representation.name, by_name(self.rule), self.frames.work
         tied = bool(self.model.connections or self.model.springs)
         # explicit steps with ties account for these in one column, for loads in more, on request

@@ -59,7 +59,7 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
     whole = members[0] if len(members) == 1 else mixed(members)
     layout, free = whole.layout, _free(model, whole.layout, rule.degree)
     if whole.members:
-        _check_form(layout, "several kinds of parts")
+        _check_form(layout, "parts of several densities")
         owned = [replace(member, free=free[nodes]) for member, nodes in whole.spans]
         whole = replace(whole, members=tuple(owned))
     joints, springs = connect(model, first_nodes(model, rule.degree), rule.degree)

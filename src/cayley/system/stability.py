@@ -42,11 +42,8 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
 
     Returns: the step [s]; infinite where nothing oscillates, not a number where springs have no finite derivatives.
     """
-    masses, elements, loads = (
-        joined(arrays)
-        for arrays in zip(*(_matrices(group, values[nodes]) for group, nodes in system.spans), strict=True)
-    )
-    stiffness = elements, loads
+    of_groups = [_matrices(group, values[nodes]) for group, nodes in system.spans]
+    masses, stiffness = joined([own for own, _ in of_groups]), _joined([own for _, own in of_groups])
     try:
         springs, dampers = _tied(system, values, masses)
     except FloatingPointError:
@@ -70,8 +67,12 @@ def _forced(system: System, values: np.ndarray, rates: np.ndarray) -> tuple[Matr
         forced_matrices(group, _inputs(group, values[nodes]), _lengths(group), rates[nodes])
         for group, nodes in system.spans
     ]
-    stiffness, damping = ((joined([one[k][0] for one in found]), joined([one[k][1] for one in found])) for k in (0, 1))
-    return stiffness, damping
+    return _joined([stiffness for stiffness, _ in found]), _joined([damping for _, damping in found])
+
+
+def _joined(found: list[Matrices]) -> Matrices:
+    """Matrices of elements and of nodes of all groups."""
+    return joined([elements for elements, _ in found]), joined([nodes for _, nodes in found])
 
 
 def _tied(system: System, values: np.ndarray, masses: np.ndarray) -> tuple[csc_array | None, csc_array | None]:
@@ -104,7 +105,7 @@ def _highest(
     return _certify(bands, ties, bound)
 
 
-def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, Matrices]:
     """Masses of nodes (n, d, d); stiffness of elements, each at its first node, and of node loads (n, d, d).
 
     Elements of degree m have matrices of size (m + 1) d.
@@ -152,7 +153,7 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
     masses, loads = shaped[0], shaped[1]
     elements = shaped[2] if along is not None else np.zeros((system.size, width, width))
     elements[_lengths(system) == 0.0] = 0.0
-    return masses, 0.5 * (elements + elements.transpose(0, 2, 1)), 0.5 * (loads + loads.transpose(0, 2, 1))
+    return masses, (0.5 * (elements + elements.transpose(0, 2, 1)), 0.5 * (loads + loads.transpose(0, 2, 1)))
 
 
 def _lengths(system: System) -> np.ndarray:
