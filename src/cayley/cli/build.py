@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -10,9 +10,11 @@ import numpy as np
 
 from cayley.cli import expressions, force_build, problems, schema
 from cayley.cli.force_tables import AlongRod
+from cayley.cli.own_parts import PartTable, own_part, wrong_lagrangian
 from cayley.cli.rods import make_rod, make_section
 from cayley.cli.schema import Place
 from cayley.cli.tie_build import body_of, guide_of, joint_of, motion_problems, port_of, side_of, spring_of
+from cayley.cli.tie_schema import BodyTable
 from cayley.model import Material, Model, Part, Port, Rod, Section, loads, supports
 from cayley.model.joints import Joint
 from cayley.model.loads import Load
@@ -49,16 +51,17 @@ def build(tables: schema.ScenarioTables) -> Model:
         elif isinstance(section, schema.GivenTable) or section.material in materials:
             with found.at("section", name):
                 sections[name] = make_section(section, materials)
-    if not tables.rod and not tables.body:
-        found.add(("rod",), "is missing; allowed: at least one [[rod]] or [[body]] table")
+    if not tables.rod and not tables.body and not tables.part:
+        found.add(("rod",), "is missing; allowed: at least one [[rod]], [[body]] or [[part]] table")
     rods = _rods(tables, sections, materials, found)
-    parts = rods | _bodies(tables, rods, found)
+    parts: dict[str, Part] = {**rods}
+    _add_parts(tables, parts, found)
     found.stop()
     held = _supports(tables, parts, found)
     acting = _loads(tables, rods, parts, found)
     joined: list[Joint] = _ties(tables, "joint", joint_of, parts, found)
     sprung: list[Spring] = _ties(tables, "spring", spring_of, parts, found)
-    _check_initial(tables, parts, found)
+    _check_initial(tables, found)
     _check_report(tables, found)
     if tables.run.dt is not None and tables.run.accuracy is not None:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
@@ -138,15 +141,19 @@ def _check_curve(table: schema.RodTable, place: Place, found: _Found) -> bool:
     return good
 
 
-def _bodies(tables: schema.ScenarioTables, rods: Mapping[str, Rod], found: _Found) -> dict[str, Part]:
-    bodies: dict[str, Part] = {}
-    for k, table in enumerate(tables.body):
-        if table.name in bodies or table.name in rods:
-            found.add(("body", k, "name"), f"is {problems.shown(table.name)} again; allowed: a name of its own")
-            continue
-        with found.at("body", k):
-            bodies[table.name] = body_of(table)
-    return bodies
+def _add_parts(tables: schema.ScenarioTables, parts: dict[str, Part], found: _Found) -> None:
+    """Add bodies, and parts with a Lagrangian of their own."""
+    given: dict[str, Sequence[BodyTable | PartTable]] = {"body": tables.body, "part": tables.part}
+    for word, same in given.items():
+        for k, table in enumerate(same):
+            wrong = wrong_lagrangian(table) if isinstance(table, PartTable) else None
+            if table.name in parts:
+                found.add((word, k, "name"), f"is {problems.shown(table.name)} again; allowed: a name of its own")
+            elif wrong is not None:
+                found.add((word, k, wrong[0]), wrong[1])
+            else:
+                with found.at(word, k):
+                    parts[table.name] = own_part(table) if isinstance(table, PartTable) else body_of(table)
 
 
 def _ties(tables: schema.ScenarioTables, word: str, make: Any, parts: Mapping[str, Part], found: _Found) -> list[Any]:
@@ -233,17 +240,19 @@ def _check_expressions(table: Any, t_end: float, place: Place, found: _Found) ->
     return good
 
 
-def _check_initial(tables: schema.ScenarioTables, parts: Mapping[str, Part], found: _Found) -> None:
-    names = [table.rod or table.body for table in tables.initial]
+def _check_initial(tables: schema.ScenarioTables, found: _Found) -> None:
+    names = [table.rod or table.body or table.part for table in tables.initial]
+    kinds: dict[str, Sequence[Any]] = {"rod": tables.rod, "body": tables.body, "part": tables.part}
     for k, table in enumerate(tables.initial):
-        word = "rod" if table.body is None else "body"
-        of_kind = [name for name, part in parts.items() if isinstance(part, Rod) == (word == "rod")]
+        given = [word for word in kinds if getattr(table, word) is not None]
         name = names[k]
         if name is None:
-            found.add(("initial", k, "rod"), "is missing; allowed: the name of a rod, or body with that of a body")
+            text = "is missing; allowed: the name of a rod, or body or part with that of a body or part"
+            found.add(("initial", k, "rod"), text)
             continue
-        if table.rod is not None and table.body is not None:
-            found.add(("initial", k, "body"), "is given beside rod; allowed: one of the two")
+        word, of_kind = given[0], [own.name for own in kinds[given[0]]]
+        if len(given) > 1:
+            found.add(("initial", k, given[1]), f"is given beside {word}; allowed: one of the two")
         elif name not in of_kind:
             found.add(("initial", k, word), problems.unlike(name, of_kind))
         if name in names[:k]:
@@ -276,5 +285,5 @@ def _port(text: str, parts: Mapping[str, Part], place: Place, found: _Found) -> 
         return port_of(text, parts)
     except (TypeError, ValueError) as error:
         owner, _, rest = str(error).partition(": ")
-        found.add(place, rest if rest and owner.split(" ")[0] in ("Rod", "Body") else str(error))
+        found.add(place, rest if rest and owner.split(" ")[0] in ("Rod", "Body", "LagrangianPart") else str(error))
     return None

@@ -68,7 +68,9 @@ class Scenario:
     def initial(self) -> dict[str, dict[str, list[float]]]:
         """What moves at the start, by the name of the part: velocity [m/s], angular_velocity [rad/s], momenta."""
         return {
-            str(table.rod or table.body): table.model_dump(exclude={"rod", "body"}, exclude_none=True)
+            str(table.rod or table.body or table.part): table.model_dump(
+                exclude={"rod", "body", "part"}, exclude_none=True
+            )
             for table in self.tables.initial
         }
 

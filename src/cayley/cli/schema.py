@@ -10,6 +10,7 @@ from pydantic import Discriminator, Field
 from cayley.cli import force_tables, tie_schema
 from cayley.cli.expressions import LANGUAGE
 from cayley.cli.force_tables import FORCE_TABLES, DampingTable
+from cayley.cli.own_parts import PartTable
 from cayley.cli.schema_base import NAME as _NAME
 from cayley.cli.schema_base import PORT as _NODE
 from cayley.cli.schema_base import Name, Table, Until, Vector
@@ -199,10 +200,11 @@ class LineLoadTable(_TimedTable):
 
 
 class InitialTable(Table):
-    """`[[initial]]`: how a rod, the same at all its nodes, or a body moves at the start."""
+    """`[[initial]]`: how a rod or part, the same at all its nodes, or a body moves at the start."""
 
     rod: str | None = Field(None, description="the name of a rod")
     body: str | None = Field(None, description="the name of a body, instead of a rod")
+    part: str | None = Field(None, description="the name of a part with a Lagrangian of its own, instead of a rod")
     velocity: Vector | None = _vector("m/s, in space", None)
     angular_velocity: Vector | None = _vector("rad/s, about the body axes", None)
     momentum: Vector | None = _vector("kg/s, per length, in space; of a body kg m/s", None)
@@ -270,6 +272,7 @@ class ScenarioTables(Table):
     section: dict[str, SectionTable] = Field({}, description="[section.NAME] tables")
     rod: list[RodTable] = Field([], description="[[rod]] tables")
     body: list[BodyTable] = Field([], description="[[body]] tables")
+    part: list[PartTable] = Field([], description="[[part]] tables")
     support: list[SupportTable] = Field([], description="[[support]] tables")
     joint: list[JointTable] = Field([], description="[[joint]] tables")
     spring: list[SpringTable] = Field([], description="[[spring]] tables")
@@ -284,7 +287,7 @@ Place = tuple[str | int, ...]
 
 _ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes": NotesTable}
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
-_MANY["body"] = BodyTable
+_MANY |= {"body": BodyTable, "part": PartTable}
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
     "section": (
         "shape",

@@ -10,7 +10,8 @@ import numpy as np
 
 from cayley.cli import expressions, problems
 from cayley.cli.schema_base import Table
-from cayley.model import Body, Part, PointMass, Port, Rod, ground, joints, springs, supports
+from cayley.cli.tie_schema import ports_of
+from cayley.model import Body, LagrangianPart, Part, PointMass, Port, ground, joints, springs, supports
 from cayley.model.joints import Joint
 from cayley.model.motion import Table as TimeTable
 from cayley.model.port import Ground
@@ -38,11 +39,7 @@ def body_of(table: Any) -> Body | PointMass:
         if table.ports or table.rotation != [1.0, 0.0, 0.0, 0.0]:
             raise ValueError("body: without inertia it is a point mass, which has neither rotation nor ports")
         return PointMass(mass=table.mass, position=table.position, name=table.name)
-    given = table.model_dump(exclude={"ports"})
-    ports: Any = {
-        name: port if isinstance(port, list) else (port.position, port.rotation) for name, port in table.ports.items()
-    }
-    return Body(**given, ports=ports)
+    return Body(**table.model_dump(exclude={"ports"}), ports=ports_of(table))
 
 
 def port_of(text: str, parts: Mapping[str, Part]) -> Port:
@@ -55,15 +52,12 @@ def port_of(text: str, parts: Mapping[str, Part]) -> Port:
     if match is None or match["part"] not in parts:
         raise ValueError(problems.unlike(text, port_names(parts)))
     part, word = parts[match["part"]], match["port"]
-    if isinstance(part, Rod):
-        if match["node"] is None and word not in ("start", "end"):
-            raise ValueError(problems.unlike(text, port_names(parts)))
-        port = part.node(int(match["node"])) if match["node"] is not None else getattr(part, word)
+    if match["node"] is not None and hasattr(part, "node") and part.node_count > 1:
+        port: Port = part.node(int(match["node"]))
+    elif word not in _words(part):
+        raise ValueError(problems.unlike(text, port_names(parts)))
     else:
-        known = part.ports if isinstance(part, Body) else {}
-        if word not in ("centre", *known):
-            raise ValueError(problems.unlike(text, port_names(parts)))
-        port = part.port(word) if isinstance(part, Body) else Port(part, 0)
+        port = part.port(word) if isinstance(part, Body | LagrangianPart) else getattr(part, word)
     if match["shift"] or match["turn"]:
         shift = _numbers(match["shift"], 3) if match["shift"] else (0.0, 0.0, 0.0)
         turn = _numbers(match["turn"], 4) if match["turn"] else (1.0, 0.0, 0.0, 0.0)
@@ -75,9 +69,14 @@ def port_names(parts: Mapping[str, Part]) -> list[str]:
     """What a port may be called."""
     found: list[str] = []
     for name, part in parts.items():
-        words = ("start", "end", "node K") if isinstance(part, Rod) else ("centre", *getattr(part, "ports", ()))
+        words = (*_words(part), "node K") if part.node_count > 1 else _words(part)
         found += [f"{name}.{word}" for word in words]
     return found
+
+
+def _words(part: Part) -> tuple[str, ...]:
+    """Ports of a part that have a name."""
+    return ("start", "end") if part.node_count > 1 else ("centre", *getattr(part, "ports", ()))
 
 
 def guide_of(table: Any, port: Port) -> Joint:

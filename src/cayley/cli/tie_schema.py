@@ -35,6 +35,13 @@ class PortTable(Table):
     rotation: Quaternion = Field(description="a unit quaternion, wxyz")
 
 
+def ports_of(table: Any) -> dict[str, Any]:
+    """The ports of the table of a body or part, as the model takes them."""
+    return {
+        name: port if isinstance(port, list) else (port.position, port.rotation) for name, port in table.ports.items()
+    }
+
+
 class BodyTable(Table):
     """`[[body]]`: see `cayley.Body`; without inertia `cayley.PointMass`."""
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cayley.lie import quaternion
-from cayley.model import Body, PointMass
+from cayley.model import Body, LagrangianPart, PointMass
 from cayley.report.conserved import Array
 
 _SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -49,22 +49,33 @@ def box_sides(body: Body) -> tuple[Array, Array]:
     return np.maximum(sides, _THIN * sides.max()), axes
 
 
-def body_shape(run: Any, body: Body | PointMass, frames: list[int]) -> Shape:
-    """The box of a body and its arms; a point mass has neither."""
+def body_shape(run: Any, body: Body | PointMass | LagrangianPart, frames: list[int]) -> Shape:
+    """The box of a body and its arms; a point mass has neither, a part of one's own no box, on an interval a line."""
     data = run[body].isel(time=frames)
     center, turn = data["position"].values, data["rotation"].values
+    nothing = np.zeros((len(frames), 0, 2, 3))
     if isinstance(body, PointMass):
-        nothing = np.zeros((len(frames), 0, 2, 3))
         return Shape(nothing, nothing, center)
+    if isinstance(body, LagrangianPart):
+        if body.domain is not None:
+            return Shape(np.stack([center[:, :-1], center[:, 1:]], axis=2), nothing, center[:, 0])
+        return Shape(nothing, _arms(body, center, turn), center)
     sides, axes = box_sides(body)
     corners = (0.5 * _SIGNS * sides) @ axes.T
     lines = np.array([(corners[i], corners[k]) for i, k in _EDGES])
-    arms = np.array([(np.zeros(3), shift) for shift, _ in body.ports.values()]).reshape(-1, 2, 3)
-    placed = [
-        center[:, None, None] + np.asarray(quaternion.rotate(turn[:, None, None], own[None]), dtype=float)
-        for own in (lines, arms)
-    ]
-    return Shape(placed[0], placed[1], center)
+    return Shape(_placed(lines, center, turn), _arms(body, center, turn), center)
+
+
+def _arms(body: Body | LagrangianPart, center: Array, turn: Array) -> Array:
+    lines = np.array([(np.zeros(3), shift) for shift, _ in body.ports.values()]).reshape(-1, 2, 3)
+    return _placed(lines, center, turn)
+
+
+def _placed(lines: Array, center: Array, turn: Array) -> Array:
+    """Lines of the body frame in space, shape (frames, lines, 2, 3)."""
+    turned = np.asarray(quaternion.rotate(turn[:, None, None], lines[None]), dtype=float)
+    placed: Array = center[:, None, None] + turned
+    return placed
 
 
 def joint_points(run: Any, frames: list[int]) -> Array:

@@ -50,7 +50,9 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -
     data = [run[part][["position", "moment"]] for part in chosen]
     time = run.energy["time"].values
     frames = nearest_frames(time, times)
-    shapes = [body_shape(run, body, frames) for body in run.model.bodies] if rod is None else []
+    shapes = (
+        [body_shape(run, body, frames) for body in (*run.model.bodies, *run.model.own_parts)] if rod is None else []
+    )
     joints = joint_points(run, frames) if rod is None else np.zeros((len(frames), 0, 3))
     positions, moments = [], []
     for part in data:

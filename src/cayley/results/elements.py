@@ -73,7 +73,7 @@ def element_inputs(system: System, nodes: np.ndarray) -> Inputs:
     inverse = 1.0 / np.where(length > 0.0, length, 1.0)
     places = np.column_stack([inverse, here[own[0]], here[own[-1]], named["weight"][nodes], length])
     names = [*equations.density.names, *placed(equations.varying)]
-    constants = np.stack([system.values_of(name)[nodes] for name in names], axis=1)
+    constants = np.array([system.values_of(name)[nodes] for name in names]).reshape(len(names), len(nodes)).T
 
     def inputs(values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
         moving = [array[k] for array in (values, velocity) for k in own]

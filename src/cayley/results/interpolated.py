@@ -112,6 +112,7 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
     function = ca.Function("strain", [inputs], outputs)
     places = range(len(system.equations.rule.strain.at))
     constants = np.array([[system.values_of(name, g) for name in density.names] for g in places])
+    constants = constants.reshape(len(places), len(density.names), system.size)  # of a density without any, too
 
     def evaluate(
         values: np.ndarray, slopes: np.ndarray, node: int, at: np.ndarray, times: np.ndarray

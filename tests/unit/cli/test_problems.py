@@ -129,7 +129,7 @@ def test_empty_file(tmp_path):
     assert places == ["run"]
     file.write_text("[run]\nt_end = 1.0\n")
     line = call("run", str(file)).stderr.strip()
-    assert line == f"{file}: rod: is missing; allowed: at least one [[rod]] or [[body]] table"
+    assert line == f"{file}: rod: is missing; allowed: at least one [[rod]], [[body]] or [[part]] table"
 
 
 @pytest.mark.parametrize(

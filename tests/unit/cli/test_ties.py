@@ -197,7 +197,11 @@ def test_turned_port():
             "body #1.inertia: is [0.01, 0.01]; allowed: three numbers, or 3 rows of 3",
         ),
         ('body = "bob"', 'body = "bobby"', 'initial #1.body: is "bobby" (did you mean "bob"?); allowed: bob, weight'),
-        ('body = "bob"', "", "initial #1.rod: is missing; allowed: the name of a rod, or body with that of a body"),
+        (
+            'body = "bob"',
+            "",
+            "initial #1.rod: is missing; allowed: the name of a rod, or body or part with that of a body or part",
+        ),
         (
             "origin = [0, 0, 2]",
             "origin = [0, 0, 3]",
