@@ -121,3 +121,10 @@ def test_the_page_of_joints_says_what_happens() -> None:
     found = doctest.testfile(page, module_relative=False, optionflags=doctest.ELLIPSIS)
     assert found.attempted > 20
     assert not found.failed
+
+
+def test_the_page_of_parts_of_ones_own_says_what_happens() -> None:
+    page = str(ROOT / "docs" / "howto-own-parts.md")
+    found = doctest.testfile(page, module_relative=False, optionflags=doctest.ELLIPSIS)
+    assert found.attempted > 15
+    assert not found.failed

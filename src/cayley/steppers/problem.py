@@ -216,6 +216,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
         "unknown": np.zeros(unknowns),
         "taken": np.zeros(unknowns),
         "mass": aligned((nodes + 1, layout.dofs, padded)),
+        "bias": np.zeros((nodes + 1, layout.dofs)),
         "cells": aligned((_room(plan) * plan.lanes,)),
         "table": np.zeros((1, 1, 1)),
         "entries": np.zeros((0, 7), dtype=np.int64),

@@ -3,10 +3,11 @@
 from dataclasses import replace
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from cayley.density import trace
-from cayley.density.expression import dot
+from cayley.density.expression import dot, to_sx
 from cayley.density.fields import Field, Rotation, Vector
 from cayley.density.lagrangian import Lagrangian
 from cayley.discrete.layout import Layout
@@ -16,6 +17,8 @@ from cayley.model import LagrangianPart
 from cayley.system.compile import chain_arrays, chain_nodes, check_inertia, straight
 from cayley.system.rod_arrays import PartArrays
 
+ROUND_OFF = 1e-12
+"""Changes of a mass matrix below this, relative to it, are rounding."""
 _POSE: dict[str, Field] = {"p": Rotation(), "x": Vector(3)}
 
 
@@ -66,10 +69,25 @@ def _constants(part: LagrangianPart) -> dict[str, Any]:
 
 
 def _check(part: LagrangianPart) -> None:
-    """Trace the Lagrangian as it was written, so that what it gets wrong is told of in its own words."""
+    """Trace the Lagrangian as it was written, so that what it gets wrong is told of in its own words.
+
+    Raises:
+        ValueError: it does not work with its constants, some velocity has no inertia, or momenta are not linear in
+            velocities, which joints and springs of explicit rules and projections of momenta take them to be.
+    """
     density = trace(part.lagrangian, part.constants)
     layout = Layout(density.lagrangian.fields, REPRESENTATIONS["quaternion"])
     check_inertia(density, layout, straight(layout, np.zeros(1))[0], part.label)
+    rates = {name: density.slots[name] for name in density.velocities}
+    gradient = density.gradient("inertia", rates)
+    momenta, velocities = (ca.vertcat(*[to_sx(own[name]) for name in rates]) for own in (gradient, rates))
+    mass = ca.Function("mass", [velocities, density.parameters], [ca.jacobian(momenta, velocities)])
+    still, moving = (np.asarray(mass(v, density.values)) for v in (np.zeros(layout.dofs), 1.0 + np.arange(layout.dofs)))
+    if np.abs(moving - still).max() > ROUND_OFF * np.abs(still).max():
+        raise ValueError(
+            f"{part.label}: {part.lagrangian.name} has terms of higher than second order in velocities, which parts of "
+            "a model may not have; use cy.compile for it alone"
+        )
 
 
 __all__ = ["own_arrays", "posed"]

@@ -342,7 +342,7 @@ static void driven_rates(struct problem *p, i64 number, i64 i, i64 at, double h)
     }
 }
 
-/* Velocities of momenta that satisfy the constraints: M v + G' n = mu, G v = rate of the drives of control i of a step,
+/* Velocities of momenta that satisfy the constraints: M v + G' n = mu - b, G v = rate of the drives of control i of a step,
  * with the matrix of saddle_point; [nodes + 1][dofs] both. */
 void velocities(struct problem *p, i64 number, i64 i, double h, const double *momenta, double *out)
 {
@@ -350,7 +350,7 @@ void velocities(struct problem *p, i64 number, i64 i, double h, const double *mo
     memset(p->unknown, 0, (size_t)p->unknowns * sizeof(double));
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 d = 0; d < dofs; d++)
-            p->unknown[p->place[n] + d] = p->free[n * dofs + d] * momenta[n * dofs + d];
+            p->unknown[p->place[n] + d] = p->free[n * dofs + d] * (momenta[n * dofs + d] - p->bias[n * dofs + d]);
     driven_rates(p, number, i, 0, h);
     memcpy(p->taken, p->unknown, (size_t)p->unknowns * sizeof(double));
     solve(p->fronts, p->matrix, p->pivots, p->unknown);
@@ -392,7 +392,7 @@ double projection_work(struct problem *p)
     return work;
 }
 
-/* out = M v, [nodes + 1][dofs] both. */
+/* out = M v + b, [nodes + 1][dofs] both. */
 void multiply_mass(struct problem *p, const double *v, double *out)
 {
     i64 dofs = DOFS, stride = (dofs + LANES - 1) / LANES * LANES;
@@ -400,11 +400,11 @@ void multiply_mass(struct problem *p, const double *v, double *out)
         for (i64 d = 0; d < dofs; d++) {
             double sum = 0.0;
             for (i64 e = 0; e < dofs; e++) sum += p->mass[(n * dofs + d) * stride + e] * v[n * dofs + e];
-            out[n * dofs + d] = p->free[n * dofs + d] * sum;
+            out[n * dofs + d] = p->free[n * dofs + d] * (sum + p->bias[n * dofs + d]);
         }
 }
 
-/* Project the momenta at the first controls so that velocities satisfy the constraints (RATTLE), mu = M v; drives are
+/* Project the momenta at the first controls so that velocities satisfy the constraints (RATTLE), mu = M v + b; drives are
  * those of control i of a step. Returns 0, or 1 + the block of redundant constraints. */
 i64 project(struct problem *p, i64 number, i64 i, double time, double h)
 {

@@ -147,6 +147,7 @@ struct problem {
     double *unknown;     /* right-hand side, then correction */
     double *taken;       /* the last accepted correction */
     double *mass;        /* mass matrices, [nodes + 1][dofs][dofs padded to whole vectors] */
+    double *bias;        /* momenta of nodes at rest, by terms linear in velocities: mu = M v + b, [nodes + 1][dofs] */
     i64 unknowns;
     double *cells;       /* room of a block of cells */
     double *table;       /* loads at the stages, [steps][stages][columns] */
@@ -233,7 +234,7 @@ void trivialize(struct problem *p, const double *gradient, const double *point, 
 
 /* terms.c */
 void add_terms(struct problem *p, double begin, double h, i64 tangent);
-void mass_matrices(struct problem *p, double time, double *mass);
+void mass_matrices(struct problem *p, double time, double *mass); /* and the bias */
 void add_loads(struct problem *p, i64 number, double h);
 void add_ties(struct problem *p, i64 rates, const double *velocity, double part, double *out);
 

@@ -168,7 +168,7 @@ static void start_from_momenta(struct problem *p, double time, double h)
     mass_matrices(p, time, mass);
     for (i64 n = 0; n < p->nodes; n++) {
         double *m = mass + n * dofs * stride, v[dofs];
-        memcpy(v, p->momenta + n * dofs, (size_t)dofs * sizeof(double));
+        for (i64 d = 0; d < dofs; d++) v[d] = p->momenta[n * dofs + d] - p->bias[n * dofs + d];
         if (factorize_dense(m, dofs, stride, pivots, 0)) memset(v, 0, sizeof v);
         else solve_dense(m, dofs, stride, pivots, v);
         for (i64 i = 0; i < p->stages; i++)

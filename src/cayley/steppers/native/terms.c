@@ -289,11 +289,13 @@ void add_terms(struct problem *p, double begin, double h, i64 tangent)
     for (i64 i = 0; i < p->terms; i++) add_term(p, &p->term[i], begin, h, tangent);
 }
 
-/* Mass matrices of all nodes at the first control, [nodes + 1][dofs][dofs padded to whole vectors]. */
+/* Bias, and mass matrices of all nodes, at the first control, [nodes + 1][dofs][dofs padded to whole vectors]. */
 void mass_matrices(struct problem *p, double time, double *mass)
 {
     i64 rows = ROWS, dofs = DOFS, square = rows * rows, stride = (dofs + LANES - 1) / LANES * LANES;
     vec *q = (vec *)p->cells, *parts = q + rows, *half = parts + 4 * square, *out = half + rows * dofs;
+    vec slope[rows], still[dofs];
+    memset(p->bias, 0, (size_t)((p->nodes + 1) * dofs) * sizeof(double));
     memset(mass, 0, (size_t)((p->nodes + 1) * dofs * stride) * sizeof(double));
     for (i64 n = 0; n < p->inertia; n++) {
         struct term *t = &p->term[n];
@@ -308,8 +310,13 @@ void mass_matrices(struct problem *p, double time, double *mass)
             evaluate(t, t->data, t->uniforms, 1);
             pair(p, t, block, t->data, 0, 0, parts);
             pair_tangent(p, parts + 3 * square, q, q, half, out);
+            vec weight = ((const vec *)t->weight)[block];
+            for (i64 row = 0; row < rows; row++) slope[row] = data[t->gradient + rows + row] * weight;
+            trivialize_lanes(p, slope, q, still);
             for (i64 lane = 0; lane < LANES && block * LANES + lane < t->cells; lane++) {
-                double *m = mass + t->nodes[block * LANES + lane] * dofs * stride;
+                i64 node = t->nodes[block * LANES + lane];
+                double *m = mass + node * dofs * stride;
+                for (i64 d = 0; d < dofs; d++) p->bias[node * dofs + d] += still[d][lane];
                 for (i64 d = 0; d < dofs; d++)
                     for (i64 e = 0; e < dofs; e++) m[d * stride + e] += out[d * dofs + e][lane];
             }
