@@ -48,11 +48,9 @@ def by_group(system: System, frames: Frames) -> list[tuple[System, Frames]]:
     """The groups of a system, each with its part of saved states."""
     if not system.members:
         return [(system, frames)]
-    found, first = [], 0
-    for group, nodes in system.spans:
-        cells = slice(first, first + group.cells)
+    found = []
+    for (group, nodes), cells in zip(system.spans, system.cell_spans, strict=True):
         work = None if frames.work is None else frames.work[:, cells]
         own = replace(frames, values=frames.values[:, nodes], momenta=frames.momenta[:, nodes], memory=None, work=work)
         found.append((group, own))
-        first += group.cells
     return found

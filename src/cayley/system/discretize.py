@@ -82,8 +82,7 @@ class _Draft:
 def _draft(group: Group, model: Model, rule: Rule, gravity: np.ndarray) -> _Draft:
     """Trace the density of a group with the forces on its parts, its constants as arrays."""
     lagrangian, forces = with_forces(group.lagrangian, model, group.parts, group.constrained)
-    beside = next((rod_arrays(part, rule, gravity) for part in group.parts if isinstance(part, Rod)), None)
-    parts = [_arrays(part, rule, gravity, beside) for part in group.parts]
+    parts = _arrays(group.parts, rule, gravity)
     constants = _joined(parts) | _forced(forces, parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
     density = trace(lagrangian, patterns)
@@ -94,10 +93,16 @@ def _draft(group: Group, model: Model, rule: Rule, gravity: np.ndarray) -> _Draf
     return _Draft(density, parts, entries, named)
 
 
-def _arrays(part: Part, rule: Rule, gravity: np.ndarray, beside: PartArrays | None) -> PartArrays:
-    if isinstance(part, Rod):
-        return rod_arrays(part, rule, gravity)
-    return own_arrays(part, rule) if isinstance(part, LagrangianPart) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
+def _arrays(parts: Sequence[Part], rule: Rule, gravity: np.ndarray) -> list[PartArrays]:
+    rods = {id(part): rod_arrays(part, rule, gravity) for part in parts if isinstance(part, Rod)}
+    beside = next(iter(rods.values()), None)
+
+    def arrays(part: Part) -> PartArrays:
+        if isinstance(part, Rod):
+            return rods[id(part)]
+        return own_arrays(part, rule) if isinstance(part, LagrangianPart) else body_arrays(part, gravity, beside)  # type: ignore[arg-type]
+
+    return [arrays(part) for part in parts]
 
 
 def _member(draft: _Draft, rule: Rule, rotation: str, lanes: int, *, account: bool) -> System:

@@ -140,8 +140,12 @@ class System:
     @property
     def spans(self) -> list[tuple["System", slice]]:
         """The groups, each with its nodes among all."""
-        edges = np.cumsum([0, *[group.size for group in self.groups]]).tolist()
-        return [(group, slice(a, b)) for group, (a, b) in zip(self.groups, itertools.pairwise(edges), strict=True)]
+        return list(zip(self.groups, _behind([group.size for group in self.groups]), strict=True))
+
+    @property
+    def cell_spans(self) -> list[slice]:
+        """Cells of the groups among all."""
+        return _behind([group.cells for group in self.groups])
 
     @property
     def with_forces(self) -> bool:
@@ -225,16 +229,20 @@ class System:
         return f"{head}\n  {size}\n  {e.structure}"
 
 
+def _behind(counts: Sequence[int]) -> list[slice]:
+    """Stretches of so many, each behind the one before."""
+    edges = [0, *itertools.accumulate(counts)]
+    return [slice(a, b) for a, b in itertools.pairwise(edges)]
+
+
 def split(system: System, state: State) -> list[tuple[System, State]]:
     """The groups of a system, each with its part of a state."""
     if not system.members:
         return [(system, state)]
-    found, first = [], 0
-    for group, nodes in system.spans:
-        cells = slice(first, first + group.cells)
+    found = []
+    for (group, nodes), cells in zip(system.spans, system.cell_spans, strict=True):
         work = None if state.work is None else state.work[cells]
         found.append((group, replace(state, values=state.values[nodes], momenta=state.momenta[nodes], work=work)))
-        first += group.cells
     return found
 
 
