@@ -298,6 +298,9 @@ def test_refusals():
         cy.simulate(cy.Model(rod, whole), 0.1, 1e-4, rotation="matrix")
     with pytest.raises(ValueError, match="use verlet, screw, midpoint"):
         cy.simulate(pendulum(), 0.1, 1e-4, rule=rules.nodal)
+    run = cy.simulate(cy.Model(rod, whole), 0.01, 1e-4)
+    with pytest.raises(AttributeError, match="several densities have no density in common; ask each of"):
+        _ = run.system.equations.density
     missing = cy.LagrangianPart(lagrangian=top, constants={"inertia": np.eye(3)})
     with pytest.raises(ValueError, match=r"Lagrangian top: unknown constant c.moment"):
         cy.simulate(cy.Model(missing), 0.1, 1e-3)

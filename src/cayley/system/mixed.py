@@ -22,6 +22,10 @@ class Shared:
     rule: Rule
     layout: Layout
 
+    def __getattr__(self, name: str) -> Any:
+        """Refuse what only the equations of one density have."""
+        raise AttributeError(f"several densities have no {name} in common; ask each of system.groups")
+
 
 def mixed(members: Sequence[System]) -> System:
     """One system of several, whose nodes follow each other.
