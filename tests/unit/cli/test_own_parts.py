@@ -8,6 +8,7 @@ import cayley as cy
 from cayley import joints, loads, supports
 from cayley.cli.problems import ScenarioError
 from cayley.cli.scenario import parse
+from cayley.results.export import export
 
 PART = """
 [[part]]
@@ -106,7 +107,7 @@ def written():
     return cy.Model(a, one, other, supports=[supports.pin(a.start)], joints=ties, loads=[loads.gravity((0, 0, -9.81))])
 
 
-def test_a_file_runs_as_python():
+def test_a_file_runs_as_python(tmp_path):
     scenario = parse(FILE, name="own", file="own.toml")
     run = cy.simulate(scenario.model(), **scenario.options())
     initial = {"line": {"momentum": (0.0, 0.05, 0.0)}}
@@ -114,6 +115,11 @@ def test_a_file_runs_as_python():
     for name in ("a", "top", "line"):
         assert_allclose(run[name].position.values, other[name].position.values, atol=1e-13)
     assert "top: Lagrangian top" in str(scenario.model())
+    meshio = pytest.importorskip("meshio")
+    export(run, "vtk", tmp_path)
+    mesh = meshio.read(tmp_path / "line_000010.vtu")
+    assert_allclose(mesh.points, run["line"].position.values[-1])
+    assert [len(block.data) for block in mesh.cells] == [4]
 
 
 @pytest.mark.parametrize(
