@@ -35,6 +35,9 @@ _HOMES = {
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
+    "trace": "continuation",
+    "Path": "continuation",
+    "buckling": "continuation",
     "Trajectory": "results.trajectory",
 }
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
@@ -72,6 +75,9 @@ def __dir__() -> list[str]:
 
 
 if TYPE_CHECKING:
+    from cayley.continuation import Path as Path
+    from cayley.continuation import buckling as buckling
+    from cayley.continuation import trace as trace
     from cayley.density.expression import cross as cross
     from cayley.density.expression import dot as dot
     from cayley.density.expression import norm as norm
