@@ -80,7 +80,7 @@ def trace(
             f"trace: no equilibrium found at {made.scaled.name} = {at:g} to begin at; give another begin, or start="
         )
     track = Track(made.still, made.scaled, made.inertia, abs(high - low))
-    track.free_motions()
+    track.see_free_motions()
     sense = direction * (1.0 if high > low else -1.0)
     first = track.correct(at, np.zeros_like(track.weight), sense)
     if first is None:
@@ -103,16 +103,16 @@ def _branch(
     given = {"range": (limits.low, limits.high), "points": limits.points, "step": limits.step, "turn": limits.turn}
     given |= options
     own = _limits(_range(given["range"]), given["points"], given["step"], given["turn"])
-    still = track.still
-    fresh = Track(still, track.scaled, track.inertia, track.span)
-    fresh.raised = track.raised
+    fresh = Track(track.still, track.scaled, track.rounding, track.span)
+    fresh.inertia, fresh.raised = track.inertia, track.raised
     first = leave(fresh, critical, vector, own.step)
     if first is None:
         raise EquilibriumError(
             f"branch: no equilibrium found beside the bifurcation at {critical.parameter:.6g}; give another step or mode"
         )
-    fresh.at(first)
-    fresh.free_motions()
+    if len(critical.vectors) > 1:  # perhaps one of many alike, such as a round rod that may bend to any side
+        fresh.at(first)
+        fresh.see_free_motions()
     found = follow(fresh, first, own, begin=critical)
 
     def onward(critical: Critical, mode: int, direction: int, options: Mapping[str, Any]) -> Path:

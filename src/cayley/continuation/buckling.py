@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse import csc_array, csr_array, diags_array, lil_array
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, splu
 
 from cayley.continuation.mode import Mode
@@ -13,8 +13,11 @@ from cayley.continuation.parameter import Scaled
 from cayley.continuation.prepare import prepared
 from cayley.discrete import rules
 from cayley.discrete.rules import Rule
+from cayley.lie import quaternion
+from cayley.lie.skew import hat
 from cayley.model import Model, validate
 from cayley.statics import EquilibriumError
+from cayley.statics.free import free_motions
 from cayley.statics.newton import solve
 from cayley.steppers.still import Still
 
@@ -88,6 +91,8 @@ def buckling(
     still, inertia = made.still, made.inertia
     if not solve(still, inertia=inertia).found:
         raise EquilibriumError(f"buckling: no equilibrium found at {made.scaled.name} = {about:g}; give another about")
+    if not len(free_motions(still, inertia)):
+        inertia = 0.0
     rate = _rate(still, made.scaled, about, inertia)
     size = still.measure(rate)[0]
     step = DIFFERENCE / size if size > 0.0 else 1.0
@@ -124,8 +129,10 @@ def _pencil(
     still.put(values, multipliers)
     scaled.put(still, about)
     known = np.concatenate([still.free, still.spots])
-    slope = csr_array((sides[0] - sides[1]) / (2.0 * step))[known][:, known]
-    here = csr_array(inertia * -still.matrix(2) - still.matrix(0))[known][:, known]
+    here = -still.matrix(0)
+    frames = _frames(still, rate)
+    slope = csr_array((sides[0] - sides[1]) / (2.0 * step) + here @ frames + frames.T @ here)[known][:, known]
+    here = csr_array(here + inertia * -still.matrix(2))[known][:, known]
     scale = 1.0 / np.sqrt(np.maximum(np.abs(here).max(axis=1).toarray().ravel(), 1e-300))
     scaling = diags_array(scale)
     inverse, change = splu(csc_array(scaling @ here @ scaling)), csr_array(scaling @ slope @ scaling)
@@ -135,6 +142,25 @@ def _pencil(
     vectors = np.zeros((len(order), len(still.made.arrays["unknown"])))
     vectors[:, known] = (scale[:, None] * found.real[:, order]).T
     return about - 1.0 / mu.real[order], vectors
+
+
+def _frames(still: Still, rate: np.ndarray) -> csr_array:
+    """X: motions are told in frames that go along with the nodes, by 1 + (λ − λ₀) X, but do not turn about their d3.
+
+    A bar that turns then keeps its stiffness, and so does a round one that is twisted, to first order in λ.
+    """
+    layout, values = still.system.layout, still.values
+    found = lil_array((len(rate), len(rate)))
+    turns, places = layout.dofs_of("p"), layout.dofs_of("x")
+    rates = rate[still.dofs[:, turns]]
+    across = rates * np.array([1.0, 1.0, 0.0])
+    turned = layout.representation.to_quaternion(values[:, layout.rows_of("p")])
+    in_space = np.asarray(quaternion.rotate(turned, across), dtype=float)
+    for node, (dofs, free) in enumerate(zip(still.dofs, still.system.free, strict=True)):
+        for own, vector in ((places, in_space[node]), (turns, across[node] - rates[node])):
+            if free[own].all():
+                found[np.ix_(dofs[own], dofs[own])] = hat(vector)
+    return csr_array(found)
 
 
 def _largest(inverse: Any, change: Any, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,8 @@ LOCATED = 1e-7
 """Arc length within which a critical point is found, over the step between its neighbors."""
 BESIDE = 1e-4
 """Distance from a limit point at which motions are counted, likewise."""
+NEAR = 1e-3
+"""Likewise, a bracket in which Newton's method may fail."""
 MOST = 4
 """Most bifurcation points between two neighbors that are told apart."""
 SPARE, ROUNDS = 4, 6
@@ -105,6 +107,8 @@ def _bifurcations(
         while outer[0] - inner[0] > tolerance:
             s = 0.5 * (inner[0] + outer[0])
             found = track.step(start, s)
+            if found is None and outer[0] - inner[0] < NEAR * (high[0] - low[0]):
+                break  # so near that what has no stiffness is moved by rounding errors
             if found is None:
                 return
             if found.unstable == low[1].unstable:

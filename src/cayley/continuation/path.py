@@ -148,7 +148,7 @@ class Path:
         still = Still.at(system, point.values, point.parameter)
         still.put(point.values, point.multipliers)
         told = Solution(found=True, how="continuation", iterations=point.corrections)
-        return Equilibrium(self.model, self._parts, still, told, track.inertia)
+        return Equilibrium(self.model, self._parts, still, told, track.rounding)
 
     @functools.cached_property
     def frames(self) -> Trajectory:

@@ -44,14 +44,14 @@ class Track:
     Args:
         still: the system of a model whose time is λ.
         scaled: that model.
-        inertia: mass matrices by which stiffness is raised [1/s²].
+        rounding: mass matrices of about the size of rounding errors of the stiffness [1/s²].
         span: width of the range of λ.
     """
 
-    def __init__(self, still: Still, scaled: Scaled, inertia: float, span: float) -> None:
+    def __init__(self, still: Still, scaled: Scaled, rounding: float, span: float) -> None:
         """Set the arc length."""
-        self.still, self.scaled, self.inertia, self.span = still, scaled, inertia, span
-        self.raised = 0.0
+        self.still, self.scaled, self.rounding, self.span = still, scaled, rounding, span
+        self.inertia = self.raised = 0.0
         scale = np.zeros(len(still.made.arrays["unknown"]))
         for is_rotation, _, first, size in still.made.arrays["field"]:
             scale[still.dofs[:, first : first + size]] = 1.0 if is_rotation else still.made.struct.extent
@@ -75,12 +75,14 @@ class Track:
         """Largest turn of a node per arc length at a point [rad]."""
         return self.still.measure(point.tangent)[1]
 
-    def free_motions(self) -> None:
-        """See whether there are motions that nothing resists here: then stiffness is raised where motions are counted.
+    def see_free_motions(self) -> None:
+        """See whether there are motions that nothing resists here: if so, stiffness is raised by rounding errors of it.
 
-        The zero eigenvalues that belong to them would be counted by chance.
+        Zero eigenvalues would make corrections infinite, and be counted by chance; without any, the stiffness stays as
+        it is, for slender rods are not much stiffer in bending than rounding errors of their stretch.
         """
-        self.raised = CLEAR * self.inertia if len(free_motions(self.still, self.inertia)) else 0.0
+        free = len(free_motions(self.still, self.rounding)) > 0
+        self.inertia, self.raised = (self.rounding, CLEAR * self.rounding) if free else (0.0, 0.0)
 
     def push(self, parameter: float) -> np.ndarray:
         """df/dλ at the values where the system is, by central differences."""
