@@ -30,7 +30,7 @@ REAL = 1e-6
 SPARE = 6
 """More eigenvalues than are wanted: some belong to no motion, or to negative factors."""
 
-SMALL = 400
+SMALL = 60
 """Size below which all eigenvalues are computed."""
 
 

@@ -132,6 +132,16 @@ class _Constant:
         return self.value
 
 
+class _Growing:
+    """A load that is the time times a value; not for symbols, for it is asked for one time only, again and again."""
+
+    def __init__(self, value: np.ndarray) -> None:
+        self.value = value
+
+    def __call__(self, t: float) -> np.ndarray:
+        return float(t) * self.value
+
+
 def _still(joint: Joint, time: float) -> Joint:
     """A joint whose prescribed motions stay as they are at one time."""
     if not joint.driven:
@@ -164,8 +174,7 @@ def _multiplied(owner: str, model: Model, load: Load, time: float) -> Load:
     if isinstance(load, Gravity):
         return load  # its part in the uniforms of the kernels is multiplied, see Scaled
     if isinstance(load, PointLoad | LineLoad):
-        value = load.value_at(time)
-        return replace(load, value=lambda t: t * value, **ALWAYS)
+        return replace(load, value=_Growing(load.value_at(time)), **ALWAYS)
     if isinstance(load, Density):
         return replace(load, force=lambda q, c: _pairs(load, q, c, time, q.t), start=0.0, until=np.inf)
     if isinstance(load, Buoyancy):

@@ -18,6 +18,7 @@ from cayley.results.observe import Observations, observe
 from cayley.results.trajectory import Trajectory
 from cayley.statics import Equilibrium
 from cayley.statics.newton import Solution
+from cayley.statics.result import at_rest
 from cayley.steppers.still import Still
 from cayley.system.system import State
 
@@ -218,7 +219,7 @@ class Path:
 
     def _observed(self, frames: Frames) -> Observations:
         """What frames say; where gravity is the parameter, of a system of its own for each."""
-        system, scaled = self._track.still.system, self._track.scaled
+        system, scaled = at_rest(self._track.still.system), self._track.scaled
         if scaled.gravity is None:
             return observe(system, frames)
         one_by_one = []
