@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from cayley.continuation.buckling import Buckling, buckling
 from cayley.continuation.critical import Critical
 from cayley.continuation.follow import Limits, follow, leave
+from cayley.continuation.linear import Buckling, buckling
 from cayley.continuation.mode import Mode
 from cayley.continuation.parameter import Scaled
 from cayley.continuation.path import Path
@@ -19,7 +19,7 @@ from cayley.model import Model, validate
 from cayley.statics import EquilibriumError
 from cayley.statics.newton import solve
 
-STEP, TURN, POINTS = 0.05, 0.3, 200
+STEP, TURN, POINTS = 0.03, 0.3, 200
 """Largest arc step, largest turn of a node in one [rad], and most points."""
 
 
@@ -45,7 +45,7 @@ def trace(
     Args:
         model: rods, bodies, joints, supports and loads.
         parameter: a load of the model (its value is multiplied by λ), a joint or support with a prescribed motion, or
-            its name (the motion is taken at the time λ), several of these, or "time": everything is taken at the time λ.
+            its name (the motion is taken at the time λ), several of these, or "time": all is taken at the time λ.
         range: (λ₀, λ₁); the path ends where it leaves it.
         begin: λ to begin at; λ₀ without it.
         start: an Equilibrium, a Trajectory (its last frame) or a State to begin near; the reference without it.
@@ -108,7 +108,7 @@ def _branch(
     first = leave(fresh, critical, vector, own.step)
     if first is None:
         raise EquilibriumError(
-            f"branch: no equilibrium found beside the bifurcation at {critical.parameter:.6g}; give another step or mode"
+            f"branch: no equilibrium found beside the bifurcation at {critical.parameter:.6g}; give another mode"
         )
     if len(critical.vectors) > 1:  # perhaps one of many alike, such as a round rod that may bend to any side
         fresh.at(first)

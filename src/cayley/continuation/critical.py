@@ -28,25 +28,25 @@ class Critical:
     Args:
         kind: "limit" (λ turns back) or "bifurcation" (other equilibria branch off).
         parameter: λ there.
-        after: number of the point of the path before it.
-        place: the point itself.
+        place: the point.
         vectors: motions without stiffness, of arc length 1, shape (k, unknowns).
         change: by how many more motions the path is unstable behind it.
+        point: its number among the points of the path.
     """
 
     kind: str
     parameter: float
-    after: int
     place: Point
     vectors: np.ndarray
     change: int
+    point: int = 0
 
     def __repr__(self) -> str:
         """Kind and parameter."""
         return f"<Critical: {self.kind} at {self.parameter:.6g}, {self.change:+d} unstable>"
 
 
-def between(track: Track, left: Point, right: Point, ds: float, after: int) -> Iterator[Critical]:
+def between(track: Track, left: Point, right: Point, ds: float) -> Iterator[Critical]:
     """Critical points between two points of a path, in order.
 
     A limit point is a root of dλ/ds; at a bifurcation point the number of unstable motions changes without one.
@@ -56,7 +56,6 @@ def between(track: Track, left: Point, right: Point, ds: float, after: int) -> I
         left: a point.
         right: the next one.
         ds: arc length from left to right.
-        after: number of the left one.
     """
     turning = left.slope * right.slope < 0.0
     if not turning and left.unstable == right.unstable:
@@ -64,22 +63,21 @@ def between(track: Track, left: Point, right: Point, ds: float, after: int) -> I
     edges = [(0.0, left), (ds, right)]
     limit = _limit(track, left, ds) if turning else None
     if limit is None:
-        yield from _bifurcations(track, left, *edges, after)
+        yield from _bifurcations(track, left, *edges)
         return
     before, behind = (track.step(left, min(max(limit + side * BESIDE * ds, 0.0), ds)) for side in (-1.0, 1.0))
     place = track.step(left, limit)
     if place is None or before is None or behind is None:
         return
-    yield from _bifurcations(track, left, edges[0], (limit - BESIDE * ds, before), after)
+    yield from _bifurcations(track, left, edges[0], (limit - BESIDE * ds, before))
     yield Critical(
         kind="limit",
         parameter=place.parameter,
-        after=after,
         place=place,
         vectors=place.tangent[None] / np.sqrt(track.dot(place.tangent, place.tangent)),
         change=behind.unstable - before.unstable,
     )
-    yield from _bifurcations(track, left, (limit + BESIDE * ds, behind), edges[1], after)
+    yield from _bifurcations(track, left, (limit + BESIDE * ds, behind), edges[1])
 
 
 def _limit(track: Track, left: Point, ds: float) -> float | None:
@@ -96,7 +94,7 @@ def _limit(track: Track, left: Point, ds: float) -> float | None:
 
 
 def _bifurcations(
-    track: Track, start: Point, low: tuple[float, Point], high: tuple[float, Point], after: int
+    track: Track, start: Point, low: tuple[float, Point], high: tuple[float, Point]
 ) -> Iterator[Critical]:
     """Points between two arc lengths from a start at which the number of unstable motions changes, by bisection."""
     tolerance = LOCATED * (high[0] - low[0])
@@ -117,14 +115,12 @@ def _bifurcations(
                 outer = s, found
         place, change = outer[1], outer[1].unstable - low[1].unstable
         vectors = _without_stiffness(track, place, abs(change))
-        yield Critical(
-            kind="bifurcation", parameter=place.parameter, after=after, place=place, vectors=vectors, change=change
-        )
+        yield Critical(kind="bifurcation", parameter=place.parameter, place=place, vectors=vectors, change=change)
         low = outer
 
 
 def _without_stiffness(track: Track, place: Point, count: int) -> np.ndarray:
-    """The motions of least stiffness at a point, of those that have any elsewhere, of arc length 1, shape (k, unknowns).
+    """The motions of least stiffness at a point, of those that have any elsewhere, of arc length 1, by rows.
 
     K x = ω² M x by inverse iteration of a few vectors; what nothing resists anywhere has less than rounding.
     """

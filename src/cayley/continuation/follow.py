@@ -1,6 +1,6 @@
 """A path of equilibria, point by point: arc steps that fit the corrections they take, and critical points between."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def follow(track: Track, first: Point, limits: Limits, *, begin: Critical | None
         limits: how far.
         begin: where a branch leaves; it is the point before the first one.
     """
-    found = Found([first] if begin is None else [begin.place, first])
+    found = Found([first] if begin is None else [replace(begin.place, unstable=first.unstable), first])
     ds = SHORTER * limits.step
     while len(found.points) < limits.points:
         last = found.points[-1]
@@ -95,8 +95,10 @@ def _landed(track: Track, last: Point, ds: float, end: float) -> Point | None:
 
 
 def _add(track: Track, found: Found, point: Point, ds: float) -> None:
-    last = found.points[-1]
-    found.critical += between(track, last, point, ds, len(found.points) - 1)
+    """Add a point, and the critical ones before it."""
+    for one in list(between(track, found.points[-1], point, ds)):
+        found.critical.append(replace(one, point=len(found.points)))
+        found.points.append(one.place)
     found.points.append(point)
 
 
@@ -117,5 +119,3 @@ def leave(track: Track, critical: Critical, vector: np.ndarray, size: float) -> 
             return point
         size *= 0.5
     return None
-
-

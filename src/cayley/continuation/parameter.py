@@ -13,8 +13,8 @@ from cayley.model.rod_loads import Buoyancy, Density, Distributed, Drag, Imposed
 from cayley.steppers.still import Still
 from cayley.system.system import System
 
-ALWAYS = {"start": -1e30, "until": np.inf}
-"""Times of a load on nodes that acts whatever the parameter."""
+BEFORE = -1e30
+"""Start of a load on nodes that acts whatever the parameter [s]."""
 _VALUES: Mapping[type[RodLoad], str] = {
     Distributed: "value",
     Pressure: "value",
@@ -104,7 +104,7 @@ def _chosen(owner: str, model: Model, parameter: Any) -> tuple[list[Load], list[
     """The loads and joints meant."""
     given = list(parameter) if isinstance(parameter, list | tuple) else [parameter]
     named = dict(zip(model.connection_names, model.connections, strict=True))
-    found = [named.get(one, one) if isinstance(one, str) else one for one in given]
+    found: list[Any] = [named.get(one, one) if isinstance(one, str) else one for one in given]
     for one in found:
         known = [*model.loads, *model.connections]
         if not any(one is other for other in known):
@@ -146,7 +146,8 @@ def _still(joint: Joint, time: float) -> Joint:
     """A joint whose prescribed motions stay as they are at one time."""
     if not joint.driven:
         return joint
-    return replace(joint, **{q: _Constant(joint.motion(q, np.array([time]))[0]) for q in joint.driven})
+    held: dict[str, Any] = {q: _Constant(joint.motion(q, np.array([time]))[0]) for q in joint.driven}
+    return replace(joint, **held)
 
 
 def _at(load: Load, time: float) -> Load | None:
@@ -154,19 +155,19 @@ def _at(load: Load, time: float) -> Load | None:
     if isinstance(load, Gravity):
         return load
     if isinstance(load, PointLoad | LineLoad):
-        return replace(load, value=tuple(load.at(time).tolist()), **ALWAYS)
+        return replace(load, value=tuple(load.at(time).tolist()), start=BEFORE, until=np.inf)
     if not load.start <= time < load.until:
         return None
     if isinstance(load, Density):
         return replace(load, force=lambda q, c: _pairs(load, q, c, time, 1.0), start=0.0, until=np.inf)
     if isinstance(load, Buoyancy):
-        return replace(load, start=0.0, until=np.inf)
+        return _changed(load, {})
     name = _VALUES[type(load)]
     kept = getattr(load, name)
     if callable(kept):
         function = (lambda t: kept(time)) if name == "tension" else (lambda s, t: kept(s, time))
-        return replace(load, **{name: function}, start=0.0, until=np.inf)
-    return replace(load, start=0.0, until=np.inf)
+        return _changed(load, {name: function})
+    return _changed(load, {})
 
 
 def _multiplied(owner: str, model: Model, load: Load, time: float) -> Load:
@@ -174,7 +175,7 @@ def _multiplied(owner: str, model: Model, load: Load, time: float) -> Load:
     if isinstance(load, Gravity):
         return load  # its part in the uniforms of the kernels is multiplied, see Scaled
     if isinstance(load, PointLoad | LineLoad):
-        return replace(load, value=_Growing(load.value_at(time)), **ALWAYS)
+        return replace(load, value=_Growing(load.value_at(time)), start=BEFORE, until=np.inf)
     if isinstance(load, Density):
         return replace(load, force=lambda q, c: _pairs(load, q, c, time, q.t), start=0.0, until=np.inf)
     if isinstance(load, Buoyancy):
@@ -192,7 +193,13 @@ def _multiplied(owner: str, model: Model, load: Load, time: float) -> Load:
         return arguments[-1] * found
 
     function: Callable[..., Any] = (lambda t: amount(t)) if name == "tension" else (lambda s, t: amount(s, t))
-    return replace(load, **{name: function}, start=0.0, until=np.inf)
+    return _changed(load, {name: function})
+
+
+def _changed(load: RodLoad, values: Mapping[str, Any]) -> RodLoad:
+    """A load along a rod with other values, that acts for all times."""
+    found: RodLoad = replace(load, **values, start=0.0, until=np.inf)  # type: ignore[type-var]
+    return found
 
 
 class _Frozen:

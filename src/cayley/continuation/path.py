@@ -83,7 +83,7 @@ class Path:
 
     @property
     def critical(self) -> list[Critical]:
-        """All critical points in order; critical.after is the number of the point before."""
+        """All critical points in order; critical.point is the number of each among the points."""
         return list(self._found.critical)
 
     @property
@@ -192,6 +192,8 @@ class Path:
 
     def _labeled(self, data: "xr.Dataset") -> "xr.Dataset":
         attributes = {"units": self.unit, "long_name": self.name}
+        if self._track.scaled.gravity is not None:  # these are those of the whole gravity at every point
+            data = data.drop_vars(["potential_energy", "energy"], errors="ignore")
         found = data.rename({"time": "point"}).assign_coords(point=np.arange(len(self)))
         return found.assign_coords(parameter=("point", self.parameter, attributes))
 
@@ -206,7 +208,7 @@ class Path:
             origin=0.0,
             h=0.0,
         )
-        critical = [{"kind": one.kind, "parameter": one.parameter, "after": one.after} for one in self._found.critical]
+        critical = [{"kind": one.kind, "parameter": one.parameter, "point": one.point} for one in self._found.critical]
         path = {"name": self.name, "unit": self.unit, "unstable": self.unstable.tolist(), "critical": critical}
         return Trajectory(
             frames=frames,

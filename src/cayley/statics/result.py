@@ -73,9 +73,7 @@ class Equilibrium:
             origin=self.time,
             h=0.0,
         )
-        return Trajectory(
-            frames=frames, info={"wall_time": 0.0}, system=system, model=self.model, parts=self._parts
-        )
+        return Trajectory(frames=frames, info={"wall_time": 0.0}, system=system, model=self.model, parts=self._parts)
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name, as those of a run without the time."""
