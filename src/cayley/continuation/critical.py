@@ -13,6 +13,8 @@ LOCATED = 1e-7
 """Arc length within which a critical point is found, over the step between its neighbors."""
 BESIDE = 1e-4
 """Distance from a limit point at which motions are counted, likewise."""
+TOGETHER = 1e-5
+"""Likewise, how near bifurcation points are one, of several motions: rounding errors split those of round rods."""
 NEAR = 1e-3
 """Likewise, a bracket in which Newton's method may fail."""
 MOST = 4
@@ -113,10 +115,14 @@ def _bifurcations(
                 inner = s, found
             else:
                 outer = s, found
-        place, change = outer[1], outer[1].unstable - low[1].unstable
+        place, beyond = outer[1], min(outer[0] + TOGETHER * (high[0] - low[0]), high[0])
+        behind = (track.step(start, beyond) if beyond < high[0] else high[1]) or place
+        change = behind.unstable - low[1].unstable
+        low = beyond, behind
+        if not change:
+            continue
         vectors = _without_stiffness(track, place, abs(change))
         yield Critical(kind="bifurcation", parameter=place.parameter, place=place, vectors=vectors, change=change)
-        low = outer
 
 
 def _without_stiffness(track: Track, place: Point, count: int) -> np.ndarray:
