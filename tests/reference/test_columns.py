@@ -1,8 +1,8 @@
 """Columns of all four ends against the closed forms of a rod with shear and stretch, and beyond, against the elastica.
 
-EI k² = P (1 − P/EA + P/GA), with k L = π/2, π, 2π, or for one clamped and one pinned end tan kL = kL (1 − P/EA)/(1 − P/EA
-+ P/GA): Haringx' column with the shortening before it buckles (J. A. Haringx, 1942; Z. P. Bažant and L. Cedolin, Stability
-of Structures, 2010, section 1.7).
+EI k² = P (1 − P/EA + P/GA), with k L = π/2, π, 2π, or for one clamped and one pinned end
+tan kL = kL (1 − P/EA)/(1 − P/EA + P/GA): the column of J. A. Haringx (1942), with the shortening before it buckles; see
+Z. P. Bažant and L. Cedolin, Stability of Structures (2010), section 1.7.
 """
 
 import numpy as np
