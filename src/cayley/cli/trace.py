@@ -64,7 +64,7 @@ def table(paths: dict[str, Any]) -> Table:
     for name, path in paths.items():
         marks = [(one.point, one.kind) for one in path.critical]
         for k, word in [(0, "begin"), *marks, (len(path) - 1, path.ended)]:
-            behind = path.unstable[min(k + 1, len(path) - 1)]
+            behind = path.unstable[k + (0 < k < len(path) - 1)]  # at a critical point itself it may be either
             made.add_row(name, str(k), f"{path.parameter[k]:.8g}", word, str(behind))
     return made
 

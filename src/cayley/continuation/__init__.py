@@ -103,7 +103,7 @@ def _branch(
     given = {"range": (limits.low, limits.high), "points": limits.points, "step": limits.step, "turn": limits.turn}
     given |= options
     own = _limits(_range(given["range"]), given["points"], given["step"], given["turn"])
-    fresh = Track(track.still, track.scaled, track.rounding, track.span)
+    fresh = Track(track.still, track.scaled, track.rounding, own.high - own.low)
     fresh.inertia, fresh.raised = track.inertia, track.raised
     first = leave(fresh, critical, vector, own.step)
     if first is None:

@@ -51,6 +51,8 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
     of_joints, saddle = JointRates(system), saddle_problem(system)
+    if any(joint.steady for joint in system.joints):
+        saddle.struct.watch = None  # redundant joints are told from others by inertia, which has no part at rest
     inertia, nodes = NodeInertia(system, saddle.plan.nodes), saddle.plan.nodes
     left, right, point = (np.zeros_like(forces) for _ in range(3))
     joints = np.zeros((len(frames.times), len(system.joints), system.layout.dofs))
