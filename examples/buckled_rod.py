@@ -2,8 +2,8 @@
 
 Its end is moved, not loaded, so nothing snaps: the support's way is the parameter of the path. The bow that branches
 off the straight wire is Euler's elastica; wire that hardly stretches has, with the modulus k = sin(α/2) of the steepest
-slope α, the force √(P/EI) L = 4 K(k) and the distance of its ends (2 E(k)/K(k) − 1) L. With
---plot the diagram is drawn to buckled_rod.png.
+slope α, the force √(P/EI) L = 4 K(k) and the distance of its ends (2 E(k)/K(k) − 1) L. With --plot the
+diagram is drawn to buckled_rod.png.
 
 What must be seen, and is asserted: the force at which it buckles, 4 π² EI/L², and the elastica after it, within 1 %.
 """

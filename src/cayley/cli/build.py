@@ -270,10 +270,14 @@ def _check_trace(tables: schema.ScenarioTables, parts: Mapping[str, Part], found
     if wanted is None:
         return
     numbered = [f"load #{k + 1}" for k in range(len(tables.load))]
-    moving = [tie.name for tie in (*tables.support, *tables.joint) if getattr(tie, "name", "")]
-    for word in [wanted.parameter] if isinstance(wanted.parameter, str) else wanted.parameter:
-        if word not in ("time", *numbered, *moving) or (word == "time" and not isinstance(wanted.parameter, str)):
-            found.add(("trace", "parameter"), problems.unlike(word, ["time", *numbered, *moving]))
+    moving = [getattr(tie, "name", "") for tie in (*tables.support, *tables.joint)]
+    known = [*numbered, *(name for name in moving if name)]
+    words = wanted.parameter
+    if isinstance(words, str):
+        known, words = ["time", *known], [words]
+    for word in words:
+        if word not in known:
+            found.add(("trace", "parameter"), problems.unlike(word, known))
     low, high = sorted(wanted.range)
     if low == high:
         found.add(("trace", "range"), f"is {problems.shown(wanted.range)}; allowed: two different numbers in brackets")

@@ -8,9 +8,7 @@ from pydantic import Field
 
 from cayley.cli.schema_base import PORT, Table
 
-_PARAMETER = (
-    '"time", "load #K" with the number of a load, the name of a joint or support that moves, or a list of these'
-)
+_PARAMETER = '"time", "load #K" with its number, the name of a joint or support that moves, or a list of these'
 
 
 class TraceTable(Table):

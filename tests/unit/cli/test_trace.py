@@ -21,7 +21,7 @@ material = "rubber"
 [[rod]]
 name = "column"
 section = "strip"
-length = 0.5
+length = 0.2
 elements = 8
 
 [[support]]
@@ -42,7 +42,7 @@ t_end = 1.0
 
 [trace]
 parameter = "load #2"
-range = [0.0, 15.0]
+range = [0.0, 60.0]
 points = 30
 branches = 1
 of = "column.end"
@@ -87,9 +87,9 @@ def test_trace_follows_a_path_and_its_branches(call, tmp_path):
             '"load #3"',
             'parameter: is "load #3" (did you mean "load #2"?); allowed: time, load #1, load #2',
         ),
-        ('"load #2"', '["time", "load #2"]', 'parameter: is "time"; allowed: time, load #1, load #2'),
-        ("[0.0, 15.0]", "[1.0, 1.0]", "range: is [1.0, 1.0]; allowed: two different numbers in brackets"),
-        ("points = 30", "begin = 20.0", "begin: is 20; allowed: a number in the range, 0 to 15"),
+        ('"load #2"', '["time", "load #2"]', 'parameter: is "time"; allowed: load #1, load #2'),
+        ("[0.0, 60.0]", "[1.0, 1.0]", "range: is [1.0, 1.0]; allowed: two different numbers in brackets"),
+        ("points = 30", "begin = 70.0", "begin: is 70; allowed: a number in the range, 0 to 60"),
         ("points = 30", "points = 1", "points: is 1; allowed: a whole number, at least 2"),
         ("points = 30", "pionts = 30", 'pionts: is no key (did you mean "points"?); allowed: parameter, range'),
         ('"column.end"\n', '"column.edn"\n', 'of: is "column.edn" (did you mean "column.end"?); allowed: column.start'),
