@@ -40,7 +40,7 @@ def test_a_twisted_rod_buckles_into_a_localized_helix():
     straight = cy.trace(model, chuck, range=(0.015, 0.087), initial=begin, rule=rule, step=0.2)
     first = straight.bifurcations[0]
     assert first.change == 2
-    slack = straight.branch(first, range=(0.015, 3.1), step=2.0, turn=2.0, points=120)
+    slack = straight.branch(first, range=(0.015, 3.1), step=2.0, turn=2.0, points=45)
     moment, tension = -slack.joint(chuck).moment.values[-1, 2], -slack.joint(chuck).force.values[-1, 2]
     m, t = abs(moment) * LENGTH / (2.0 * np.pi * BEND), abs(tension) * LENGTH**2 / (4.0 * np.pi**2 * BEND)
     r = np.sqrt(4.0 * t - m**2)

@@ -16,6 +16,9 @@ SMALLEST = 1e-5
 STRAIGHT = 0.7
 """Least cosine between tangents of neighbors: another branch would lie across."""
 
+AWAY, HALVINGS = 0.05, 10
+"""Arc length from a bifurcation point to the first point of a branch, and how often it is halved."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
@@ -109,9 +112,10 @@ def leave(track: Track, critical: Critical, vector: np.ndarray, size: float) -> 
         track: the equations.
         critical: the bifurcation point.
         vector: a motion without stiffness, of arc length 1; its sign is the direction.
-        size: arc length; halved until a point is found.
+        size: greatest arc length; halved until a point is found.
     """
-    for _ in range(10):
+    size = min(size, AWAY)
+    for _ in range(HALVINGS):
         track.at(critical.place)
         track.still.move(vector, size)
         point = track.correct(critical.parameter, vector, 0.0)

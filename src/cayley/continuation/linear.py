@@ -22,7 +22,8 @@ from cayley.statics.newton import solve
 from cayley.steppers.still import Still
 
 DIFFERENCE = 1e-4
-"""Size of the motion (radians, lengths over the extent) over which the change of the stiffness is measured."""
+"""Step of λ for the rate of the forces, and size of the motion (radians, lengths over the extent) for that of the
+stiffness."""
 PART = 0.05
 """Most of the critical load over which it is."""
 REAL = 1e-6
@@ -105,14 +106,14 @@ def buckling(
 
 
 def _rate(still: Still, scaled: Scaled, about: float, inertia: float) -> np.ndarray:
-    """du/dλ = −K⁻¹ df/dλ; the step of the difference is 1, for loads are linear in λ."""
+    """du/dλ = −K⁻¹ df/dλ by central differences, exact for loads, which are linear in λ."""
     forces = []
-    for side in (0.5, -0.5):
+    for side in (DIFFERENCE, -DIFFERENCE):
         scaled.put(still, about + side)
         forces.append(still.force())
     scaled.put(still, about)
     still.tangent(inertia=inertia)
-    return still.solve(forces[1] - forces[0])
+    return still.solve(forces[1] - forces[0]) / (2.0 * DIFFERENCE)
 
 
 def _pencil(
