@@ -15,8 +15,8 @@ STRETCH = 1e3
 def test_a_twisted_rod_buckles_into_a_localized_helix():
     """cos φ = 1 − (r²/2t)/cosh²(π r (s/L − ½)), r² = 4t − m², m = M L/2πB, t = T L²/4π²B; slack L r/πt.
 
-    80 elements of degree 3. Source: G. H. M. van der Heijden and J. M. T. Thompson, Helical and localised buckling in
-    twisted rods (2000); data of the example HelicalBucklingCase of PyElastica.
+    80 elements of degree 3. Source: G. H. M. van der Heijden and J. M. T. Thompson, Nonlinear Dynamics 21 (2000);
+    data of the example HelicalBucklingCase of PyElastica.
     """
     stiffness = np.diag([STRETCH] * 3 + [BEND, BEND, TWIST])
     section = cy.Section.given(stiffness=stiffness, mass_per_length=1.0, inertia=np.diag([0.1, 0.1, 0.2]))

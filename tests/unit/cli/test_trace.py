@@ -91,8 +91,12 @@ def test_trace_follows_a_path_and_its_branches(call, tmp_path):
         ("[0.0, 60.0]", "[1.0, 1.0]", "range: is [1.0, 1.0]; allowed: two different numbers in brackets"),
         ("points = 30", "begin = 70.0", "begin: is 70; allowed: a number in the range, 0 to 60"),
         ("points = 30", "points = 1", "points: is 1; allowed: a whole number, at least 2"),
-        ("points = 30", "pionts = 30", 'pionts: is no key (did you mean "points"?); allowed: parameter, range'),
-        ('"column.end"\n', '"column.edn"\n', 'of: is "column.edn" (did you mean "column.end"?); allowed: column.start'),
+        ("points = 30", "pointz = 30", 'pointz: is no key (did you mean "points"?); allowed: parameter, range'),
+        (
+            '"column.end"\n',
+            '"column.eend"\n',
+            'of: is "column.eend" (did you mean "column.end"?); allowed: column.start',
+        ),
     ],
 )
 def test_what_is_wrong_is_told_by_its_place(call, old, new, line):

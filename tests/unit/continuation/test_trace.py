@@ -146,8 +146,8 @@ def test_branches_leave_to_both_sides():
         path.branch(direction=0)
     with pytest.raises(ValueError, match="mode is 1; this point has 1"):
         path.branch(mode=1)
-    with pytest.raises(TypeError, match="lenght is no option"):
-        path.branch(lenght=1.0)
+    with pytest.raises(TypeError, match="width is no option"):
+        path.branch(width=1.0)
     with pytest.raises(ValueError, match="is no bifurcation point of this path"):
         path.branch(truss()[1].limits[0])
 
