@@ -144,6 +144,7 @@ def _without_stiffness(track: Track, place: Point, count: int) -> np.ndarray:
         x = (vectors[:, good] / np.sqrt(values[good])).T @ x
     values, vectors = np.linalg.eigh(x @ (stiffness @ x.T))
     known: Any = np.flatnonzero(np.abs(values) > track.raised)
+    known = known if len(known) >= count else np.arange(len(values))
     chosen = known[np.argsort(np.abs(values[known]))][:count]
     found = vectors.T[chosen] @ x
     return found / np.sqrt([[track.dot(row, row)] for row in found])
