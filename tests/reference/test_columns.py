@@ -104,3 +104,18 @@ def test_the_buckled_column_is_the_elastica():
         assert np.all(branch.unstable[1:] == 0)
         assert len(branch) > 5
     assert sides[0] == pytest.approx(-sides[1], abs=1e-6)
+
+
+def test_a_column_buckles_under_its_own_weight():
+    """ρA g L³/EI = 7.837347, the first root of J₋₁⸝₃(⅔ √x) (A. G. Greenhill, 1881), gravity as the parameter."""
+    rod = column("free", 4, stiff=50.0)[2]
+    weight = loads.gravity((0, 0, -1.0))
+    bob = cy.PointMass(mass=1.0, position=(1, 0, 0), name="bob")
+    hung = cy.springs.linear(bob.centre, cy.ground.at((1, 0, 1)), stiffness=100.0)
+    sides = supports.hold(bob.centre, position="xy")
+    model = cy.Model(rod, bob, supports=[supports.clamp(rod.start), sides], springs=[hung], loads=[weight])
+    rule = cy.rules.galerkin(time=1, space=3)
+    path = cy.trace(model, weight, range=(0.0, 9.0), rule=rule, step=0.2)
+    assert [one.parameter for one in path.bifurcations] == pytest.approx([7.837347], rel=1e-4)
+    assert cy.buckling(model, weight, rule=rule).factors == pytest.approx([7.837347], rel=1e-3)
+    assert path[bob].position.values[:, 2] == pytest.approx(-path.parameter / 100.0, abs=1e-9)
