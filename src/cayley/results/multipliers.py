@@ -38,7 +38,7 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
 
     M v̇ = F − b − Gᵀ λ and g̈ = G v̇ + γ = 0 give (G M⁻¹ Gᵀ) λ = G M⁻¹ (F − b) + γ, with b the terms of the
     velocities in d/dt ∂T/∂v (for rotations ω × Jω), and γ = Ġ v and what prescribed motions add to it: λ follows from
-    the state of a frame and the time alone.
+    the state of a frame and the time alone, F of viscous stresses from observe.acting_velocity.
 
     Args:
         system: the system, of a constrained density or with joints.

@@ -12,6 +12,7 @@ from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
+from cayley.system.stability import decay_limit
 from cayley.system.system import System, by_node, pack
 
 
@@ -71,14 +72,15 @@ def observe(system: System, frames: Frames) -> Observations:
         for name, own in rows.observed.items():
             part[name][k] = by_node(system, data[1:-1], own)
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
-    nothing = np.zeros_like(part["velocity"])
+    acting = acting_velocity(system, frames, part["velocity"])
+    nothing = np.zeros_like(acting)
     spatial, slopes, exerted = nothing, part.get("slopes", nothing), {}
     if system.equations.density.lagrangian.interval is not None:
-        exerted = _complete(system, frames, part)
+        exerted = _complete(system, frames, part, acting)
         if system.equations.rule.degree == 1:
             spatial = resultants(system, frames, part)
     if system.equations.rule.degree > 1:
-        strain, spatial, slopes = interpolated(system, frames, part["velocity"])
+        strain, spatial, slopes = interpolated(system, frames, acting)
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
@@ -90,15 +92,43 @@ def observe(system: System, frames: Frames) -> Observations:
     )
 
 
-def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def acting_velocity(system: System, frames: Frames, velocity: np.ndarray) -> np.ndarray:
+    """Velocities that forces at the frames are told, where they depend on them.
+
+    A step h over 2/δ does not resolve what decays at the rate δ. The momenta of implicit rules then go on with it, its
+    sign the same or another in every step: small in itself, but not when δ multiplies it. Viscous forces of that
+    velocity would be many times the true ones, and with them those of joints and supports, which keep the balance. So
+    where h > 2/δ_max the velocities are those that the last three steps say together (see Frames), from the third step
+    of a run on. What oscillates fast without decay is no error: the motion has it, if at another frequency.
+
+    Args:
+        system: the system.
+        frames: its saved states.
+        velocity: of the momenta, shape (m, nodes, dofs).
+
+    Returns: shape (m, nodes, dofs).
+    """
+    if frames.rates is None or _resolved(system, frames):
+        return velocity
+    return np.where(np.isfinite(frames.rates), frames.rates, velocity)
+
+
+def _resolved(system: System, frames: Frames) -> bool:
+    """Whether steps resolve all decay; those of elements of higher degree, which are about rods as stiff, do not."""
+    if system.equations.rule.degree > 1:
+        return False
+    return not frames.h > decay_limit(system, frames.values[0], enough=frames.h)
+
+
+def _complete(system: System, frames: Frames, part: dict[str, np.ndarray], acting: np.ndarray) -> dict[str, np.ndarray]:
     """Complete the forces that the kernel observes: "left", "right", "load", and "point" on nodes alone.
 
     Returns: reactions, held and supports of the Observations.
     """
     velocity, degree = part["velocity"], system.equations.rule.degree
-    beside = forces_beside(system, frames, velocity)
+    beside = forces_beside(system, frames, acting)
     part["load"] += beside.outer
-    part["point"] = spring_forces(system, frames, velocity)
+    part["point"] = spring_forces(system, frames, acting)
     total = part["load"] + part["point"] + sum(timed_loads(system, frames))
     if degree == 1:
         part["left"] += beside.inner[:, :, 0]

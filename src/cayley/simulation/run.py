@@ -61,9 +61,9 @@ def run(
     received = [_Block.of(begin)]
     stepper = stepper_of(system)
 
-    def receive(stride: int, values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
+    def receive(stride: int, values: np.ndarray, momenta: np.ndarray, **more: np.ndarray) -> None:
         numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))
-        received.append(_Block(numbers, values, momenta, work))
+        received.append(_Block(numbers, values, momenta, **more))
 
     stepper.prepare(system)
     started = clock.perf_counter()
@@ -88,6 +88,7 @@ class _Block:
     values: np.ndarray
     momenta: np.ndarray
     work: np.ndarray | None = None
+    rates: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State) -> "_Block":
@@ -105,17 +106,18 @@ def _frames(blocks: Sequence[_Block], start: State, memory: np.ndarray | None) -
         origin=start.origin,
         h=start.h,
         memory=memory,
-        work=_work(blocks),
+        work=_of_all(blocks, "work", 0.0),
+        rates=_of_all(blocks, "rates", np.nan),
     )
 
 
-def _work(blocks: Sequence[_Block]) -> np.ndarray | None:
-    """Work and loss at all frames; none at the start, unless the run goes on from one that had some."""
-    found = [block.work for block in blocks if block.work is not None]
-    if not found:
+def _of_all(blocks: Sequence[_Block], name: str, otherwise: float) -> np.ndarray | None:
+    """What steppers said of their frames, at all frames; of those they did not make, such as the first, otherwise."""
+    found = [(len(block.steps), getattr(block, name)) for block in blocks]
+    shape = next((given.shape[1:] for _, given in reversed(found) if given is not None), None)
+    if shape is None:
         return None
-    shape = found[-1].shape[1:]
-    return np.concatenate([np.zeros((len(b.steps), *shape)) if b.work is None else b.work for b in blocks])
+    return np.concatenate([np.full((count, *shape), otherwise) if given is None else given for count, given in found])
 
 
 def _step_size(system: System, state: State, dt: float | None, span: float, *, allow_unstable: bool) -> float:

@@ -43,7 +43,8 @@ def run(
         outcome, reached, counts = call.outcome, call.reached, call.counts
         if reached:
             values, momenta = frames[:reached, :, :rows].copy(), frames[:reached, :, rows:].copy()
-            receive(values, momenta, work=call.work[:reached]) if accounted else receive(values, momenta)
+            more = {"work": call.work[:reached]} if accounted else {}
+            receive(values, momenta, **more, **({"rates": call.rates[:reached]} if system.damped else {}))
             last = state.step + reached * stride
             # after a failure the memory is not that of the last frame
             memory = call.memory if outcome is Outcome.FINISHED else None
@@ -87,9 +88,10 @@ class Advance:
         outcome: how it ended.
         reached: frames written.
         counts: iterations in all, most in a step, number and node of the last step, shape (4,).
-        memory: control nodes and multipliers of the last step, flat.
+        memory: control nodes, multipliers and, where there is damping, the motion of the last steps, flat.
         history: relative correction and largest residual [N s, N m s] of the last iterations, shape (HISTORY, 2).
         work: work and loss at the frames [J], shape (frames, 1, 2).
+        rates: velocities at the frames by the last three steps (see Frames), shape (frames, nodes, dofs).
     """
 
     outcome: Outcome
@@ -98,6 +100,7 @@ class Advance:
     memory: np.ndarray
     history: np.ndarray
     work: np.ndarray
+    rates: np.ndarray
 
 
 def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
@@ -105,6 +108,9 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     system, steps = plan.system, len(frames) * stride
     entries, scales = load_entries(system)
     work = np.zeros((len(frames), 1, 2))
+    shape = (plan.size, system.layout.dofs)
+    motion = np.zeros((3, plan.size + 1, shape[1])) if system.damped else np.zeros(0)
+    rates = np.zeros((len(frames), *shape)) if system.damped else np.zeros(0)
     made = problem.make_problem(
         plan,
         state,
@@ -116,6 +122,8 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
             "scales": scales,
             "frames": frames,
             "works": work,
+            "rates": rates,
+            **({"motion": motion} if system.damped else {}),
         },
     )
     if state.work is not None:
@@ -123,23 +131,27 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     made.struct.warm = int(_recall(state, made))
     reached = ctypes.c_int64(0)
     code = made.engine.advance(ctypes.byref(made.struct), ctypes.byref(reached))
-    flat = [made.arrays["memory"][:, :-1].reshape(-1), *(c["start"].reshape(-1) for c in made.couplings)]
     outcome, counts = list(Outcome)[code], made.arrays["counts"]
     if outcome is Outcome.REDUNDANT:
         counts[3] = np.flatnonzero(plan.block_of == counts[3])[0]
-    return Advance(outcome, reached.value, counts, np.concatenate(flat), made.arrays["history"], work)
+    memory = np.concatenate([part.reshape(-1) for part in _remembered(made)])
+    return Advance(outcome, reached.value, counts, memory, made.arrays["history"], work, rates)
+
+
+def _remembered(made: problem.Problem) -> list[np.ndarray]:
+    """Views of what a state remembers of the last steps."""
+    parts = [made.arrays["memory"][:, :-1], *(c["start"] for c in made.couplings)]
+    return [*parts, made.arrays["motion"]] if made.plan.system.damped else parts
 
 
 def _recall(state: State, made: problem.Problem) -> bool:
-    """Put what a state remembers of the last step into the arrays; returns whether there was anything."""
-    inner = made.arrays["memory"][:, :-1]
-    sizes = [inner.size, *(c["start"].size for c in made.couplings)]
+    """Put what a state remembers into the arrays; returns whether there was anything."""
+    parts = _remembered(made)
+    sizes = [part.size for part in parts]
     if state.memory is None or state.memory.shape != (sum(sizes),):
         return False
-    first, *others = np.split(state.memory, np.cumsum(sizes)[:-1])
-    inner[:] = first.reshape(inner.shape)
-    for coupling, values in zip(made.couplings, others, strict=True):
-        coupling["start"][:] = values.reshape(coupling["start"].shape)
+    for part, values in zip(parts, np.split(state.memory, np.cumsum(sizes)[:-1]), strict=True):
+        part[:] = values.reshape(part.shape)
     return True
 
 
