@@ -80,7 +80,7 @@ def observe(system: System, frames: Frames) -> Observations:
         if system.equations.rule.degree == 1:
             spatial = resultants(system, frames, part)
     if system.equations.rule.degree > 1:
-        strain, spatial, slopes = interpolated(system, frames, acting)
+        strain, spatial, slopes = interpolated(system, frames, acting, part.get("multipliers"))
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
@@ -141,10 +141,11 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray], actin
         pulled = constraint_forces(system, frames, velocity, total)
         part["point"] += pulled.point
         total += pulled.point
+        part["multipliers"] = pulled.multipliers
+        _add_ends(system, total, pulled.inner)
         if degree == 1:
-            part["left"] += pulled.left
-            part["right"] += pulled.right
-            _add_ends(system, total, np.stack([pulled.left, pulled.right], axis=2))
+            part["left"] += pulled.inner[:, :, 0]
+            part["right"] += pulled.inner[:, :, 1]
         if system.joints:
             found["reactions"] = pulled.joints
     held = held_nodes(system)
