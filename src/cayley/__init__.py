@@ -32,6 +32,9 @@ _HOMES = {
     "simulate": "simulation",
     "integrate": "simulation",
     "SimulationError": "simulation",
+    "equilibrium": "statics",
+    "Equilibrium": "statics",
+    "EquilibriumError": "statics",
     "Trajectory": "results.trajectory",
 }
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
@@ -99,6 +102,9 @@ if TYPE_CHECKING:
     from cayley.simulation import SimulationError as SimulationError
     from cayley.simulation import integrate as integrate
     from cayley.simulation import simulate as simulate
+    from cayley.statics import Equilibrium as Equilibrium
+    from cayley.statics import EquilibriumError as EquilibriumError
+    from cayley.statics import equilibrium as equilibrium
     from cayley.system.compile import compile_lagrangian
 
     compile = compile_lagrangian

@@ -35,13 +35,14 @@ def simulate(
     rule: Rule | None = None,
     accuracy: float | None = None,
     save_every: float | None = None,
+    start: Any = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
     balance: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
-    """Run a model from its reference configuration, or from what ``initial`` says.
+    """Run a model from its reference configuration, or from what ``start`` or ``initial`` say.
 
     Args:
         model: rods, supports and loads.
@@ -52,6 +53,8 @@ def simulate(
         accuracy: largest wanted error of positions from steps in time, relative to the extent of the model, instead of
             dt: step and, if it is not given, rule are chosen; run.why tells how.
         save_every: time between saved frames [s]; a hundredth of the run without it.
+        start: an Equilibrium, the last frame of a Trajectory, or a State to begin from, at its time, instead of the
+            reference at time 0; of the same parts, elements and degree in space. Loads may be others.
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
         rotation: "quaternion" or "matrix".
@@ -74,7 +77,7 @@ def simulate(
         )
     if rule is not None and not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
-    begin = start_of_model(model, rotation, initial, account=balance)
+    begin = start_of_model(model, rotation, initial, start=start, account=balance)
 
     def run(rule: Rule, dt: float | None) -> Trajectory:
         system, state = begin(rule)

@@ -21,13 +21,30 @@ START_TOLERANCE = 1e-8
 
 
 def start_of_model(
-    model: Model, rotation: str, initial: Mapping[Any, Mapping[str, Any]] | None, *, account: bool = False
+    model: Model,
+    rotation: str,
+    initial: Mapping[Any, Mapping[str, Any]] | None,
+    *,
+    start: Any = None,
+    account: bool = False,
 ) -> Callable[[Rule], tuple[System, State]]:
-    """A function that makes system and start for a rule, once for each."""
+    """A function that makes system and start for a rule, once for each; start is what simulate takes.
+
+    Raises:
+        ValueError: if start is no state, or given with initial.
+    """
+    known = getattr(start, "state", start)
+    if start is not None and not isinstance(known, State):
+        raise ValueError(f"start is a {type(start).__name__}; give an Equilibrium, a Trajectory or a State")
+    if known is not None and initial is not None:
+        raise ValueError("start and initial are given; give one of them")
 
     @functools.cache
     def begin(rule: Rule) -> tuple[System, State]:
         system = discretize(model, rule, rotation=rotation, account=account)
+        if known is not None:
+            begin = replace(known, origin=known.time, step=0, h=0.0, memory=None, work=None)
+            return system, _consistent(system, _fitting(system, begin), check_rates=False)
         values, velocity, momenta = initial_values(model, system, initial or {})
         state = initial_state(system, values, velocity)
         given = np.isfinite(momenta) & system.free

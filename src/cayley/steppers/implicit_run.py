@@ -62,17 +62,22 @@ def make_plan(system: System) -> Plan:
     """Cells and blocks, kernels compiled: a node between elements is a block, those inside one are one together."""
     if "implicit" in system.plans:
         return system.plans["implicit"]
+    nodes = np.arange(system.size)
+    cells = term_cells(system), constraint_cells(system, nodes)
+    plan = problem.make_plan(system, nodes, system.equations.rule.time, element_groups(system), *cells)
+    system.plans["implicit"] = plan
+    return plan
+
+
+def element_groups(system: System) -> np.ndarray:
+    """Number of the block of every node: those inside an element are one together, shape (nodes,)."""
     degree, groups, first = system.equations.rule.degree, [], 0
     for count in system.chains:
         element, inner = np.divmod(np.arange(count), degree)
         own = 2 * element + (inner > 0) if degree > 1 else element
         groups.append(first + own)
         first += int(own[-1]) + 1
-    nodes = np.arange(system.size)
-    cells = term_cells(system), constraint_cells(system, nodes)
-    plan = problem.make_plan(system, nodes, system.equations.rule.time, np.concatenate(groups), *cells)
-    system.plans["implicit"] = plan
-    return plan
+    return np.concatenate(groups)
 
 
 def prepare(system: System) -> None:

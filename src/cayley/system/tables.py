@@ -10,10 +10,13 @@ import numpy as np
 from cayley.density.expression import symbols, to_sx
 from cayley.model.loads import LineLoad, PointLoad
 
+INSTANT = 1e-9
+"""Time that a load must act around a single instant to count in full there [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class TimeTable:
-    """Values of loads at the times of steps.
+    """Values of loads at the times of steps, or (h = 0) at instants.
 
     A load acts on a node with the part of the step around it, [t − h/2, t + h/2], that lies in its window: so a
     constant force gives its exact impulse whatever the step. One that starts with the run acts from its first moment.
@@ -46,6 +49,7 @@ class TimeTable:
 
     def __call__(self, times: np.ndarray, h: float, origin: float) -> np.ndarray:
         """Values at times [s], shape (m, 3 × loads)."""
+        h = h or INSTANT
         found = np.zeros((len(times), 3 * len(self.loads)))
         first = np.where(times > origin + 1e-6 * h, times - 0.5 * h, times)  # the run begins with half a step
         for k, (load, function) in enumerate(zip(self.loads, self.functions, strict=True)):

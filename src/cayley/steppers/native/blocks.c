@@ -420,14 +420,56 @@ static void eliminate_pivot(const struct front *t, double *pivot, double *right)
     else multiply_rows(pivot, t->size, t->pad, right, t->width);
 }
 
-/* LU of all blocks; returns 0, or 1 + the block that is singular. */
-i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch)
+/* Number of negative eigenvalues of the symmetric part of a pivot: by Jacobi's rotations, rows and columns scaled first,
+ * which changes no sign. */
+static i64 count_negative(const double *a, i64 n, i64 stride)
+{
+    double s[n * n], scale[n];
+    for (i64 i = 0; i < n; i++) {
+        double most = 0.0;
+        for (i64 k = 0; k < n; k++) {
+            double size = 0.5 * __builtin_fabs(a[i * stride + k] + a[k * stride + i]);
+            most = size > most ? size : most;
+        }
+        scale[i] = most > 0.0 ? 1.0 / __builtin_sqrt(most) : 1.0;
+    }
+    for (i64 i = 0; i < n; i++)
+        for (i64 k = 0; k < n; k++) s[i * n + k] = 0.5 * scale[i] * scale[k] * (a[i * stride + k] + a[k * stride + i]);
+    for (i64 sweep = 0; sweep < 30; sweep++) {
+        double off = 0.0;
+        for (i64 i = 0; i < n; i++)
+            for (i64 k = 0; k < i; k++) off += s[i * n + k] * s[i * n + k];
+        if (!(off > 1e-28)) break;
+        for (i64 i = 0; i < n; i++)
+            for (i64 k = i + 1; k < n; k++) {
+                double b = s[i * n + k];
+                if (b == 0.0) continue;
+                double ratio = 0.5 * (s[k * n + k] - s[i * n + i]) / b;
+                double t = (ratio < 0.0 ? -1.0 : 1.0) / (__builtin_fabs(ratio) + __builtin_sqrt(1.0 + ratio * ratio));
+                double c = 1.0 / __builtin_sqrt(1.0 + t * t), d = c * t;
+                for (i64 m = 0; m < n; m++) {
+                    double x = s[m * n + i], y = s[m * n + k];
+                    s[m * n + i] = c * x - d * y, s[m * n + k] = d * x + c * y;
+                }
+                for (i64 m = 0; m < n; m++) {
+                    double x = s[i * n + m], y = s[k * n + m];
+                    s[i * n + m] = c * x - d * y, s[k * n + m] = d * x + c * y;
+                }
+            }
+    }
+    i64 count = 0;
+    for (i64 i = 0; i < n; i++) count += s[i * n + i] < 0.0;
+    return count;
+}
+
+static i64 factorize_counting(i64 fronts, double *matrix, i64 *pivots, const double *watch, i64 *negative)
 {
     const struct fronts *f = (const struct fronts *)fronts;
     for (i64 k = 0; k < f->count; k++) {
         const struct front *t = &f->front[k];
         double *pivot = matrix + t->pivot, *right = matrix + t->right, *below = matrix + t->below;
         const double *own = watch ? watch + t->unknown : 0;
+        if (negative) *negative += count_negative(pivot, t->size, t->pad);
         i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots, own)
                      : SMALL_SIX(t->size) ? invert(pivot, 6, SIX, own)
                                           : invert(pivot, t->size, t->pad, own);
@@ -450,6 +492,19 @@ i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch)
         }
     }
     return 0;
+}
+
+/* LU of all blocks; returns 0, or 1 + the block that is singular. */
+i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch)
+{
+    return factorize_counting(fronts, matrix, pivots, watch, 0);
+}
+
+/* The same, and the number of negative eigenvalues of the matrix if it is symmetric (Sylvester's law of inertia). */
+i64 negatives(i64 fronts, double *matrix, i64 *pivots, i64 *negative)
+{
+    *negative = 0;
+    return factorize_counting(fronts, matrix, pivots, 0, negative);
 }
 
 /* The solution replaces the right-hand side; unknowns stand in the order of elimination (see unknown_starts). */

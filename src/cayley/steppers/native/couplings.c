@@ -65,23 +65,25 @@ static void scatter(struct problem *p, struct coupling *c, i64 block, i64 g, i64
                     const vec *slope, i64 tangent)
 {
     i64 dofs = DOFS, r = p->stages, together = c->gauss * c->count, at = g * c->count + k;
+    i64 e = i - p->still; /* the equations that forces at this control are in */
     for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
         i64 cell = block * LANES + lane, node = c->nodes[cell * c->width + a];
         const double *free = p->free + node * dofs;
         double weight = h * c->weight[(block * c->gauss + g) * LANES + lane];
-        if (i < r) {
-            double push = weight * c->multiplier[(cell * r + i) * together + at];
-            double *sum = p->residual + (node * r + i) * dofs;
+        if (e < r) {
+            double push = weight * c->multiplier[(cell * r + e) * together + at];
+            double *sum = p->residual + (node * r + e) * dofs;
             for (i64 d = 0; d < dofs; d++) sum[d] += push * slope[d][lane];
         }
         const i64 *across = c->across + (cell * c->width + a) * 2, *along = c->along + (cell * c->width + a) * 2;
         if (!tangent || across[0] < 0) continue;
-        if (i < r)
+        if (e < r)
             for (i64 d = 0; d < dofs; d++)
-                p->matrix[across[0] + (i * dofs + d) * across[1] + i * together + at] = weight * slope[d][lane] * free[d];
+                p->matrix[across[0] + (e * dofs + d) * across[1] + e * together + at] = weight * slope[d][lane] * free[d];
         if (i > 0)
             for (i64 d = 0; d < dofs; d++)
-                p->matrix[along[0] + ((i - 1) * together + at) * along[1] + (i - 1) * dofs + d] = slope[d][lane] * free[d];
+                p->matrix[along[0] + ((i - 1) * together + at) * along[1] + (i - 1) * dofs + d] =
+                    (p->still ? weight : 1.0) * slope[d][lane] * free[d];
     }
 }
 
@@ -118,15 +120,44 @@ static void curvature(struct problem *p, struct coupling *c, i64 block, i64 i, d
             pair_tangent(p, over, left, right, half, out);
             if (a == b) turned(p, force, left, out);
             mask(p, c->nodes + block * LANES * width, width, a, b, out);
-            scatter_pair(p, c->places + ((block * LANES * width + a) * width + b) * 2, 2 * width * width, active, i,
-                         i - 1, out);
+            scatter_pair(p, c->places + ((block * LANES * width + a) * width + b) * 2, 2 * width * width, active,
+                         i - p->still, i - 1, out);
         }
+}
+
+/* Of an equilibrium: subtract s W G' g from the forces and s W G' G from their derivative.
+ *
+ * The corrections stay what they are, with other multipliers; but nodes that only constraints hold have pivots. */
+static void stiffen(struct problem *p, struct coupling *c, i64 block, i64 g, const vec *slopes, vec value, i64 tangent)
+{
+    i64 dofs = DOFS, width = c->width;
+    vec sum = {0.0};
+    for (i64 a = 0; a < width; a++)
+        for (i64 d = 0; d < dofs; d++) sum += slopes[a * dofs + d] * slopes[a * dofs + d] / p->penalty[d];
+    for (i64 lane = 0; lane < LANES && block * LANES + lane < c->cells; lane++) {
+        i64 cell = block * LANES + lane;
+        double s = sum[lane] > 0.0 ? c->weight[(block * c->gauss + g) * LANES + lane] / sum[lane] : 0.0;
+        for (i64 a = 0; a < width; a++) {
+            i64 node = c->nodes[cell * width + a];
+            const double *free = p->free + node * dofs;
+            for (i64 d = 0; d < dofs; d++) p->residual[node * dofs + d] -= s * value[lane] * slopes[a * dofs + d][lane];
+            for (i64 b = 0; b < width && tangent; b++) {
+                const i64 *place = c->places + ((cell * width + a) * width + b) * 2;
+                const double *other = p->free + c->nodes[cell * width + b] * dofs;
+                if (place[0] < 0) continue;
+                for (i64 d = 0; d < dofs; d++)
+                    for (i64 e = 0; e < dofs; e++)
+                        p->matrix[place[0] + d * place[1] + e] -=
+                            s * free[d] * other[e] * slopes[a * dofs + d][lane] * slopes[b * dofs + e][lane];
+            }
+        }
+    }
 }
 
 static void add_coupling(struct problem *p, struct coupling *c, i64 number, double begin, double h, i64 tangent)
 {
     i64 r = p->stages, rows = ROWS, width = c->width, together = c->gauss * c->count;
-    vec *q = (vec *)p->cells, *room = q + (r + 1) * width * rows, slope[DOFS], embedded[rows];
+    vec *q = (vec *)p->cells, *room = q + (r + 1) * width * rows, slopes[width * DOFS], embedded[rows];
     for (i64 i = 0; i <= r; i++) {
         c->uniforms[i * c->uniform_width] = c->light_uniforms[i * c->light_width] = begin + p->ends[i] * h;
         ((prepare)c->setup)(c->uniforms + i * c->uniform_width);
@@ -134,19 +165,22 @@ static void add_coupling(struct problem *p, struct coupling *c, i64 number, doub
     }
     for (i64 block = 0; block * LANES < c->cells; block++) {
         gather(p, c->nodes + block * LANES * width, width, r + 1, q);
-        for (i64 i = 0; i <= r; i++) {
-            i64 full = tangent && i > 0 && i < r, height = full ? c->rows : c->light_rows;
+        for (i64 i = p->still; i <= r; i++) {
+            i64 full = tangent && i > 0 && i - p->still < r, height = full ? c->rows : c->light_rows;
             evaluate(p, c, block, i, drives(p, c, number, i), q, full);
             for (i64 g = 0; g < c->gauss; g++) {
                 const vec *data = (const vec *)(c->data + (i * c->gauss * c->rows + g * height) * LANES);
                 for (i64 k = 0; k < c->count; k++) {
                     for (i64 a = 0; a < width; a++) {
+                        vec *slope = slopes + a * DOFS;
                         derivative(p, c, block, g, k, a, data, q + (i * width + a) * rows, embedded, slope);
                         scatter(p, c, block, g, k, a, i, h, slope, tangent);
                     }
+                    if (p->penalty) stiffen(p, c, block, g, slopes, data[c->value + k], tangent);
+                    const double *weight = c->weight + (block * c->gauss + g) * LANES;
                     for (i64 lane = 0; i > 0 && lane < LANES && block * LANES + lane < c->cells; lane++)
                         p->unknown[c->spot[block * LANES + lane] + (i - 1) * together + g * c->count + k] =
-                            -data[c->value + k][lane];
+                            (p->still ? -weight[lane] : -1.0) * data[c->value + k][lane];
                 }
             }
             if (full) curvature(p, c, block, i, h, q, room);
@@ -181,7 +215,7 @@ static void expect(struct problem *p)
 void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent)
 {
     for (i64 n = 0; n < p->couplings; n++) add_coupling(p, &p->coupling[n], number, begin, h, tangent);
-    if (tangent && p->couplings) expect(p);
+    if (tangent && p->couplings && p->watch) expect(p);
 }
 
 /* Values of all constraints at control i, in the rows of the multipliers; returns the largest. */

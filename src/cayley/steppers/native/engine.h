@@ -111,6 +111,10 @@ struct problem {
     i64 fields;
     i64 *field;          /* (is rotation, row, dof, size), [fields][4] */
     i64 stages;          /* r: control times are 0 ... r */
+    i64 still;           /* 1: an equilibrium, see statics.c; else 0 */
+    i64 order;           /* of the matrix of an equilibrium: derivatives along values 0, rates 1, or accelerations 2 */
+    double *penalty;     /* stiffness of a kind of degree of freedom that constraints are given, [dofs]; or null */
+    double *spin;        /* rates of a still node, dq/dt = spin q, [rows][rows]; or null */
     double *ell;         /* values at the stages, [stages][r + 1] */
     double *dell;        /* slopes, per step */
     double *weights;     /* [stages] */
@@ -208,6 +212,7 @@ i64 matrix_size(i64 fronts);
 void unknown_starts(i64 fronts, i64 *start);
 void locate(i64 fronts, i64 count, const i64 *row, const i64 *column, i64 *found);
 i64 factorize(i64 fronts, double *matrix, i64 *pivots, const double *watch);
+i64 negatives(i64 fronts, double *matrix, i64 *pivots, i64 *negative);
 void solve(i64 fronts, const double *matrix, const i64 *pivots, double *x);
 i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots, const double *watch);
 void solve_dense(const double *a, i64 n, i64 stride, const i64 *pivots, double *x);
@@ -229,6 +234,13 @@ void add_terms(struct problem *p, double begin, double h, i64 tangent);
 void mass_matrices(struct problem *p, double time, double *mass);
 void add_loads(struct problem *p, i64 number, double h);
 void add_ties(struct problem *p, i64 rates, const double *velocity, double part, double *out);
+
+/* newton.c */
+void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent);
+
+/* statics.c */
+void add_still_loads(struct problem *p, i64 tangent);
+void add_inertia(struct problem *p, double time, double factor);
 
 /* couplings.c */
 void add_couplings(struct problem *p, i64 number, double begin, double h, i64 tangent);

@@ -35,15 +35,16 @@ static const double SMALLEST_GROWTH = 1.0002;  /* by factors that fall from 2 to
 static const i64 SINGULAR = -1; /* what newton returns where there is no first correction */
 
 /* Residual (in the right-hand side), momenta and, if wanted, the matrix. */
-static void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent)
+void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent)
 {
     i64 dofs = p->dofs, r = p->stages;
     memset(p->residual, 0, (size_t)((p->nodes + 1) * r * dofs) * sizeof(double));
     memset(p->after, 0, (size_t)((p->nodes + 1) * dofs) * sizeof(double));
     if (tangent) memset(p->matrix, 0, (size_t)p->matrix_size * sizeof(double));
     add_terms(p, begin, h, tangent);
-    add_loads(p, number, h);
-    add_couplings(p, number, begin, h, tangent);
+    if (p->still) add_still_loads(p, tangent);
+    else add_loads(p, number, h);
+    if (!p->order) add_couplings(p, number, begin, h, tangent);
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 i = 0; i < r; i++)
             for (i64 d = 0; d < dofs; d++) {

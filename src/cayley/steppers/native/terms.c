@@ -14,6 +14,17 @@ static void evaluate(struct term *t, double *data, double *uniforms, i64 tangent
     ((kernel)(tangent ? t->run : t->light_run))(data, uniforms, 0, t->gauss);
 }
 
+/* Rates of still nodes: those of the turning frame, or zero. */
+static void turn_with(struct problem *p, const vec *value, i64 width, vec *slope)
+{
+    i64 rows = ROWS;
+    memset(slope, 0, (size_t)(width * rows) * sizeof(vec));
+    if (!p->spin) return;
+    for (i64 a = 0; a < width; a++)
+        for (i64 row = 0; row < rows; row++)
+            for (i64 e = 0; e < rows; e++) slope[a * rows + row] += p->spin[row * rows + e] * value[a * rows + e];
+}
+
 /* Inputs of the kernel at all points of a block of cells, at one stage. */
 static void interpolate(struct problem *p, struct term *t, i64 block, i64 k, double h, const vec *q, double *out,
                         i64 rows_of_block)
@@ -24,11 +35,12 @@ static void interpolate(struct problem *p, struct term *t, i64 block, i64 k, dou
         vec sum = p->ell[k * controls] * q[e];
         for (i64 i = 1; i < controls; i++) sum += p->ell[k * controls + i] * q[i * width * rows + e];
         value[e] = sum;
-        if (!t->rates) continue;
+        if (!t->rates || p->still) continue;
         sum = p->dell[k * controls] * q[e];
         for (i64 i = 1; i < controls; i++) sum += p->dell[k * controls + i] * q[i * width * rows + e];
         slope[e] = sum / h;
     }
+    if (t->rates && p->still) turn_with(p, value, width, slope);
     for (i64 g = 0; g < t->gauss; g++) {
         vec *data = (vec *)(out + g * rows_of_block * LANES);
         for (i64 s = 0; s < t->slots; s++)
@@ -69,7 +81,10 @@ static void pull(struct problem *p, struct term *t, i64 block, i64 k, double h, 
                     for (i64 row = 0; row < rows; row++) slope[row] += factor * data[(t->slots + s) * rows + row];
             }
         }
-        for (i64 i = 0; i < controls; i++) {
+        if (t->rated && p->spin)
+            for (i64 row = 0; row < rows; row++)
+                for (i64 e = 0; e < rows; e++) value[row] += p->spin[e * rows + row] * slope[e];
+        for (i64 i = p->still; i < controls; i++) {
             double c = p->weights[k] * h * p->ell[k * controls + i], d = p->weights[k] * p->dell[k * controls + i];
             vec *out = y + (i * width + a) * rows;
             for (i64 row = 0; row < rows; row++) out[row] += c * value[row];
@@ -107,6 +122,44 @@ static void pair(struct problem *p, const struct term *t, i64 block, const doubl
     }
 }
 
+/* out += left A right, with A and a factor from either side: the spin or, transposed, from the left; or nothing. */
+static void spun(struct problem *p, const vec *part, i64 left, i64 right, double factor, vec *room, vec *out)
+{
+    i64 rows = ROWS;
+    if ((left || right) && !p->spin) return;
+    for (i64 i = 0; i < rows; i++)
+        for (i64 j = 0; j < rows; j++) {
+            vec sum = right ? part[0] * 0.0 : part[i * rows + j];
+            for (i64 e = 0; e < rows && right; e++) sum += part[i * rows + e] * p->spin[e * rows + j];
+            room[i * rows + j] = sum;
+        }
+    for (i64 i = 0; i < rows; i++)
+        for (i64 j = 0; j < rows; j++) {
+            vec sum = left ? part[0] * 0.0 : room[i * rows + j];
+            for (i64 e = 0; e < rows && left; e++) sum += p->spin[e * rows + i] * room[e * rows + j];
+            out[i * rows + j] += factor * sum;
+        }
+}
+
+/* With u' = S u + du/dt about an equilibrium, the derivative of dL/du + S' dL/du' - d/dt dL/du' along u, du/dt or
+ * d2u/dt2, from the four parts of J. */
+static void still_tangent(struct problem *p, const struct term *t, const vec *parts, vec *room, vec *over)
+{
+    i64 square = ROWS * ROWS;
+    const vec *uu = parts, *ur = parts + square, *ru = parts + 2 * square, *rr = parts + 3 * square;
+    if (p->order == 0) {
+        spun(p, uu, 0, 0, 1.0, room, over);
+        if (t->rates) spun(p, ur, 0, 1, 1.0, room, over);
+        if (t->rated) spun(p, ru, 1, 0, 1.0, room, over), spun(p, rr, 1, 1, 1.0, room, over);
+    } else if (p->order == 1) {
+        if (t->rates) spun(p, ur, 0, 0, 1.0, room, over);
+        if (t->rated) {
+            spun(p, ru, 0, 0, -1.0, room, over);
+            spun(p, rr, 1, 0, 1.0, room, over), spun(p, rr, 0, 1, -1.0, room, over);
+        }
+    } else if (t->rated) spun(p, rr, 0, 0, -1.0, room, over);
+}
+
 static void tangents(struct problem *p, struct term *t, i64 block, double h, const vec *q, const vec *y, vec *room)
 {
     i64 rows = ROWS, dofs = DOFS, r = p->stages, controls = r + 1, width = t->width, square = rows * rows;
@@ -118,6 +171,10 @@ static void tangents(struct problem *p, struct term *t, i64 block, double h, con
             memset(over, 0, (size_t)(r * r * square) * sizeof(vec));
             for (i64 k = 0; k < p->stages; k++) {
                 pair(p, t, block, t->data + k * t->gauss * t->rows * LANES, a, b, parts);
+                if (p->still) {
+                    still_tangent(p, t, parts, half, over);
+                    continue;
+                }
                 const double *ell = p->ell + k * controls, *dell = p->dell + k * controls;
                 double w = p->weights[k];
                 for (i64 i = 0; i < r; i++)
@@ -134,9 +191,10 @@ static void tangents(struct problem *p, struct term *t, i64 block, double h, con
             const i64 *places = t->places + ((block * LANES * width + a) * width + b) * 2;
             for (i64 i = 0; i < r; i++)
                 for (i64 j = 1; j < controls; j++) {
-                    const vec *left = q + (i * width + a) * rows, *right = q + (j * width + b) * rows;
+                    i64 at = i + p->still; /* the control whose equation this is */
+                    const vec *left = q + (at * width + a) * rows, *right = q + (j * width + b) * rows;
                     pair_tangent(p, over + (i * r + j - 1) * square, left, right, half, out);
-                    if (i == j && a == b) turned(p, y + (i * width + a) * rows, left, out);
+                    if (at == j && a == b && !p->order) turned(p, y + (at * width + a) * rows, left, out);
                     if (t->held[block]) mask(p, nodes, width, a, b, out);
                     scatter_pair(p, places, 2 * width * width, active, i, j - 1, out);
                 }
@@ -149,12 +207,13 @@ static void scatter(struct problem *p, struct term *t, i64 block, const vec *q, 
     i64 rows = ROWS, dofs = DOFS, r = p->stages, width = t->width;
     i64 active = t->cells - block * LANES < LANES ? t->cells - block * LANES : LANES;
     vec out[dofs];
-    for (i64 i = 0; i <= r; i++)
+    for (i64 i = p->still; i <= r; i++)
         for (i64 a = 0; a < width; a++) {
+            i64 equation = i - p->still;
             trivialize_lanes(p, y + (i * width + a) * rows, q + (i * width + a) * rows, out);
             for (i64 lane = 0; lane < active; lane++) {
                 i64 node = t->nodes[(block * LANES + lane) * width + a];
-                double *sum = i < r ? p->residual + (node * r + i) * dofs : p->after + node * dofs;
+                double *sum = equation < r ? p->residual + (node * r + equation) * dofs : p->after + node * dofs;
                 for (i64 d = 0; d < dofs; d++) sum[d] += out[d][lane];
             }
         }
