@@ -50,6 +50,8 @@ class DiscreteEquations:
         """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
+            if self.rule.strain.corners and name.startswith(("strain", "force")):
+                varying += placed(self.varying)  # both corners are in one evaluation
             if "force_point" in name:
                 self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
             elif name in POINT_PROGRAMS:

@@ -61,7 +61,6 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
     entries["inverse"] = named.pop("inverse")
     within = {plain(name) for name in placed(entries)}
     varying = [n for n, values in entries.items() if plain(n) in within or np.any(values != values[0])]
-    _refuse_within(rule, varying)
     equations = derive(density, rule, rotation=rotation, varying=varying, account=account)
     named |= {name: entries[name] for name in varying}
     layout, counts = equations.layout, [part.size for part in parts]
@@ -233,20 +232,6 @@ def _within(
             if np.any(own != values):
                 found[name_at(label, k)] = own
     return found
-
-
-def _refuse_within(rule: Rule, varying: Sequence[str]) -> None:
-    """Refuse implicit rules of corners, which read constants once an element, where they differ within it.
-
-    Raises:
-        ValueError: there are such constants.
-    """
-    within = placed(varying)
-    if within and rule.implicit and rule.strain.corners:
-        raise ValueError(
-            f"the rule {rule} does not read {plain(within[0])} at every strain point yet, and it differs within an "
-            "element here (curved or tapered rods); use midpoint, screw_midpoint, galerkin or explicit rules"
-        )
 
 
 def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:
