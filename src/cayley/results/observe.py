@@ -1,6 +1,6 @@
 """What saved frames say: velocities, energies, momenta and stress resultants, by the compiled kernel of the density."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
 from cayley.system.stability import decay_limit
 from cayley.system.system import System, by_node, pack
+from cayley.system.turned import as_quaternions, embedded
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +85,7 @@ def observe(system: System, frames: Frames) -> Observations:
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
-        strain=strain + spring_energy(system, frames),
+        strain=strain + spring_energy(*_tied(system, frames)),
         load=load,
         resultants=spatial,
         slopes=slopes,
@@ -128,7 +129,8 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray], actin
     velocity, degree = part["velocity"], system.equations.rule.degree
     beside = forces_beside(system, frames, acting)
     part["load"] += beside.outer
-    part["point"] = spring_forces(system, frames, acting)
+    tied, seen = _tied(system, frames)
+    part["point"] = spring_forces(tied, seen, acting)
     total = part["load"] + part["point"] + sum(timed_loads(system, frames))
     if degree == 1:
         part["left"] += beside.inner[:, :, 0]
@@ -138,7 +140,7 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray], actin
         _add_ends(system, total, beside.inner)
     found = {}
     if system.joints or system.equations.density.constraints.numel():
-        pulled = constraint_forces(system, frames, velocity, total)
+        pulled = constraint_forces(tied, seen, velocity, total)
         part["point"] += pulled.point
         total += pulled.point
         part["multipliers"] = pulled.multipliers
@@ -152,6 +154,13 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray], actin
     if len(held):
         found |= {"held": held, "supports": support_forces(system, frames, velocity, total)}
     return found
+
+
+def _tied(system: System, frames: Frames) -> tuple[System, Frames]:
+    """What joints, springs and constraints are asked with: rotations as quaternions."""
+    if not (system.joints or system.springs):  # constraints of densities are there for quaternions only
+        return system, frames
+    return embedded(system), replace(frames, values=as_quaternions(system.layout, frames.values))
 
 
 def _add_ends(system: System, total: np.ndarray, ends: np.ndarray) -> None:

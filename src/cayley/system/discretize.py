@@ -11,6 +11,7 @@ from cayley.density import library, trace
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
 from cayley.discrete.places import name_at, placed, plain
+from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rules import Rule
 from cayley.model import Model, Part, PointMass, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
@@ -23,6 +24,7 @@ from cayley.system.rod_arrays import CONSTRAINED, STRAIN_CONSTANTS, PartArrays, 
 from cayley.system.rod_forces import with_forces
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
+from cayley.system.turned import as_quaternions
 
 
 def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", account: bool = False) -> System:
@@ -100,10 +102,9 @@ def first_nodes(model: Model, degree: int) -> dict[int, int]:
 
 
 def _check_joints(layout: Layout, reference: np.ndarray, free: np.ndarray, joints: Sequence[Coupling]) -> None:
-    """Refuse joints of rotations as matrices, and constraints that follow from others."""
-    if layout.representation.name != "quaternion":
-        raise ValueError("Model: joints and springs want rotation='quaternion'; leave rotation out")
-    lines = redundant(layout, reference, free, joints)
+    """Refuse constraints that follow from others."""
+    form = Layout(layout.fields, REPRESENTATIONS["quaternion"])
+    lines = redundant(form, as_quaternions(layout, reference), free, joints)
     if lines:
         raise ValueError(
             f"Model: {len(lines)} joint{'s are' if len(lines) > 1 else ' is'} redundant at the start, so their forces "

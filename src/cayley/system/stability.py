@@ -14,6 +14,7 @@ from cayley.discrete.rules import lobatto_weights
 from cayley.system.damping import forced_matrices
 from cayley.system.spring_limits import largest, spring_columns
 from cayley.system.system import System
+from cayley.system.turned import as_quaternions, embedded
 
 SHARPNESS = 1.02
 DENSE = 400
@@ -74,7 +75,8 @@ def _tied(system: System, values: np.ndarray, masses: np.ndarray) -> tuple[csc_a
     if not system.springs:
         return None, None
     free = system.free
-    found = spring_columns(system, values, free[:, :, None] * _inverse_roots(masses) * free[:, None, :])
+    values, roots = as_quaternions(system.layout, values), free[:, :, None] * _inverse_roots(masses) * free[:, None, :]
+    found = spring_columns(embedded(system), values, roots)
     springs, dampers = (columns if columns.shape[1] else None for columns in found)
     return springs, dampers
 
