@@ -22,7 +22,7 @@ class Frames:
         work: work and loss since the start (see State), shape (m, k, 2), or None.
         rates: velocities ω and ẋ that the last three steps of an implicit rule say, if forces depend on velocities,
             shape (m, nodes, dofs): with u, w, v the mean velocities of these steps v + w/2 − u/2, which is of order 2
-            and does not know what decays within a step; not numbers before the third step, nor kept in a store.
+            and does not know what decays within a step; not numbers before the third step.
     """
 
     times: np.ndarray

@@ -13,7 +13,7 @@ from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
 from cayley.system.stability import decay_limit
-from cayley.system.system import System, by_node, pack
+from cayley.system.system import State, System, by_node, pack
 from cayley.system.turned import as_quaternions, embedded
 
 
@@ -118,7 +118,25 @@ def _resolved(system: System, frames: Frames) -> bool:
     """Whether steps resolve all decay; those of elements of higher degree, which are about rods as stiff, do not."""
     if system.equations.rule.degree > 1:
         return False
-    return not frames.h > decay_limit(system, frames.values[0], enough=frames.h)
+    key = f"resolved with {frames.h!r}"  # frames may come some at a time
+    if key not in system.plans:
+        system.plans[key] = not frames.h > decay_limit(system, system.reference, enough=frames.h)
+    return bool(system.plans[key])
+
+
+def energy_of(system: System, state: State) -> float:
+    """Total energy of a state [J]."""
+    frames = Frames(
+        times=np.array([state.time]),
+        steps=np.array([state.step]),
+        values=state.values[None],
+        momenta=state.momenta[None],
+        origin=state.origin,
+        h=state.h,
+        work=None if state.work is None else state.work[None],
+    )
+    seen = observe(system, frames)
+    return float(seen.kinetic[0] + seen.strain[0] + seen.load[0])
 
 
 def _complete(system: System, frames: Frames, part: dict[str, np.ndarray], acting: np.ndarray) -> dict[str, np.ndarray]:
@@ -170,4 +188,4 @@ def _add_ends(system: System, total: np.ndarray, ends: np.ndarray) -> None:
         total[:, starts + end] += ends[:, starts, end]
 
 
-__all__ = ["Frames", "Observations", "observe"]
+__all__ = ["Frames", "Observations", "energy_of", "observe"]

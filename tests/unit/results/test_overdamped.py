@@ -1,5 +1,7 @@
 """Forces where steps do not resolve how fast stretching is damped: they keep to the motion, and do not ring."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -12,13 +14,13 @@ TUBE = cy.Section.tube(outer_radius=0.02, thickness=0.002, material=STEEL)
 G = (0.0, 0.0, -9.81)
 
 
-def bent(dt: float, rule: rules.Rule, t_end: float = 0.08) -> cy.Trajectory:
+def bent(dt: float, rule: rules.Rule, t_end: float = 0.08, **options: Any) -> cy.Trajectory:
     """A weight that falls into a ball joint at the end of a clamped arm; stretching decays in 1e-8 s."""
     arm = cy.Rod(TUBE, length=1.0, direction=(1, 0, 0), elements=3, name="arm", damping=damping.retardation(5e-3))
     bob = cy.Body(mass=2.0, inertia=[0.01, 0.01, 0.01], position=(1, 0, -0.3), name="bob", ports={"eye": (0, 0, 0.3)})
     ball = joints.ball(arm.end, bob.port("eye"), name="ball")
     model = cy.Model(arm, bob, supports=[supports.clamp(arm.start)], joints=[ball], loads=[loads.gravity(G)])
-    return cy.simulate(model, t_end, dt, rule=rule, save_every=0.02)
+    return cy.simulate(model, t_end, dt, rule=rule, save_every=0.02, **options)
 
 
 def forces(run: cy.Trajectory) -> np.ndarray:
@@ -46,6 +48,9 @@ def test_a_run_that_goes_on_tells_the_same_forces(tmp_path):
     assert np.array_equal(rest.observed.reactions[1:], whole.observed.reactions[3:])
     assert np.isnan(rest.frames.rates[0]).all()  # before three steps of this run
     assert np.isfinite(rest.frames.rates[1:]).all()
+    written = bent(4e-3, rules.midpoint, store=tmp_path / "written")  # while it runs
+    assert np.array_equal(forces(written), forces(whole))
+    assert np.array_equal(written.frames.rates, whole.frames.rates, equal_nan=True)
 
 
 @pytest.mark.parametrize(("damped", "resolved"), [(10.0, True), (1e7, False)])
