@@ -68,3 +68,17 @@ def test_damper_that_holds_a_weight(damped, resolved):
     if not resolved:
         assert_allclose(pull[3:], 19.62, rtol=1e-3)
         assert np.ptp(by_law[3:]) > 15.0  # the velocity of the momenta changes from frame to frame
+
+
+def test_a_killed_run_goes_on_with_the_same_forces(tmp_path):
+    """What the last steps said at frames that stand in the journal only is read from there."""
+
+    def kill(done: float, time: float) -> None:
+        raise RuntimeError("killed")
+
+    whole = bent(4e-3, rules.midpoint)
+    with pytest.raises(RuntimeError, match="killed"):
+        bent(4e-3, rules.midpoint, store=tmp_path / "killed", progress=kill)
+    resumed = cy.resume(tmp_path / "killed")
+    assert np.array_equal(forces(resumed), forces(whole))
+    assert np.array_equal(resumed.frames.rates, whole.frames.rates, equal_nan=True)
