@@ -65,7 +65,7 @@ def equilibrium(
         raise ValueError("equilibrium: both start and initial are given; give one")
     values = initial_values(model, system, initial or {})[0] if start is None else values_of(start, system.reference)
     still = Still.at(system, values, _number("time", time), spin_of(spin))
-    inertia = ROUNDING * still.fastest()
+    inertia = ROUNDING * (still.fastest() or 1.0)  # bodies alone have no stiffness
     if start is not None and hasattr(start, "still") and start.still.multipliers.shape == still.multipliers.shape:
         still.put(values, start.still.multipliers)
     solution = solve(still, inertia=inertia, relax=relax)

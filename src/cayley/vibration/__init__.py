@@ -1,0 +1,1 @@
+"""Vibration about equilibria: modes, frequency responses, Campbell diagrams."""
