@@ -3,11 +3,11 @@
 from typing import Any
 
 from cayley.model import Model
-from cayley.vibration.campbell import Campbell, campbell
+from cayley.vibration.diagram import Campbell, campbell
 from cayley.vibration.eigen import eigenpairs
 from cayley.vibration.linear import Linear, find_equilibrium
-from cayley.vibration.modes import Modes
 from cayley.vibration.response import frequency_response
+from cayley.vibration.result import Modes
 
 
 def modes(model: Model, *, about: Any = None, count: int = 10, spin: Any = None) -> Modes:
@@ -15,8 +15,8 @@ def modes(model: Model, *, about: Any = None, count: int = 10, spin: Any = None)
 
     (s² M + s (C + G) + K) φ + Aᵀ λ = 0,   A φ = 0
 
-    All matrices are derivatives of the action at the equilibrium, so prestress, loads, damping and rotation count. Motions
-    that nothing resists have 0 Hz. Without damping and spin a count by inertia tells whether one is missing.
+    All matrices are derivatives of the action at the equilibrium, so prestress, loads, damping and rotation count.
+    Motions that nothing resists have 0 Hz. Without damping and spin a count by inertia tells whether one is missing.
 
     Args:
         model: rods, bodies, joints, supports and loads.

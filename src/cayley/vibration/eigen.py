@@ -1,11 +1,12 @@
 """Eigenvalues s and vectors v of (s² M + s (C + G) + K) v + Aᵀ λ = 0, A v = 0, those nearest to zero."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import block_diag, csc_array
 
-from cayley.vibration.krylov import Operator, all_of, largest
+from cayley.vibration.krylov import all_of, largest
 from cayley.vibration.linear import Factors, Linear
 
 DENSE = 240
@@ -13,14 +14,14 @@ DENSE = 240
 BLOCK, LARGEST_BLOCK = 8, 64
 """Number of vectors of a Krylov space that are multiplied together, and most that are tried."""
 ROUNDS, NEAR, BELOW = 20, 0.3, 0.6
-"""Most shifts on the way down to the lowest square of a frequency, the part of a shift from which on it has arrived, and
-where the next one is: below, for it may be that of an unstable motion, of which the shifted matrix would be singular."""
+"""Most shifts on the way down to the lowest square of a frequency, the part of a shift from which on it has arrived,
+and where the next one is: below, for it may be that of an unstable motion, and the shifted matrix singular there."""
 STILL = 100.0 * np.finfo(float).eps
 """A motion whose energy is this part of what its stiffnesses have one by one has none: it is free."""
 BESIDE, TRIES = 1.0625, 3
 """Next shift where one is an eigenvalue, and how often."""
 FAINT = 1e-6
-"""So small a part of the shift is zero: a free motion is a double eigenvalue s = 0, and splits by a root of rounding."""
+"""So small a part of the shift is zero: a free motion is a double eigenvalue s = 0, split by a root of rounding."""
 APART = 1e-6
 """Relative distance of eigenvalues between which one can count."""
 
@@ -199,7 +200,7 @@ def _roots(linear: Linear) -> tuple[csc_array, csc_array]:
     """L with L Lᵀ = M, and its inverse; M has one block a node."""
     node = linear.dofs[:, 0]
     edges = np.flatnonzero(np.diff(node, prepend=-1, append=-1))
-    blocks = [linear.mass[a:b, a:b].toarray() for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    blocks = [linear.mass[a:b, a:b].toarray() for a, b in pairwise(edges)]
     roots = [np.linalg.cholesky(block) for block in blocks]
     return csc_array(block_diag(roots)), csc_array(block_diag([np.linalg.inv(root) for root in roots]))
 

@@ -13,7 +13,7 @@ from cayley.statics import Equilibrium, equilibrium
 from cayley.system.discretize import spans
 
 ASYMMETRY = 1e-12
-"""Part of the largest entry up to which a matrix that differs from its transpose, or from zero, does so by rounding."""
+"""Part of the largest entry up to which a matrix differs from its transpose, or zero, by rounding."""
 PIVOT = 0.1
 """A diagonal entry serves as pivot if it has this part of the largest in its column: less fill, and errors no larger."""
 KINDS = {"x": ("x", "y", "z"), "p": ("turn about d1", "turn about d2", "turn about d3")}

@@ -12,7 +12,7 @@ from cayley.steppers.still import Still
 from cayley.system.discretize import discretize
 from cayley.vibration.eigen import eigenpairs
 from cayley.vibration.linear import Linear, find_equilibrium
-from cayley.vibration.modes import moved
+from cayley.vibration.result import moved
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +64,9 @@ def frequency_response(
     return moved(linear, found, at, "frequency", coordinates)
 
 
-def _answer(linear: Linear, force: np.ndarray, omega: float, damper: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray:
+def _answer(
+    linear: Linear, force: np.ndarray, omega: float, damper: tuple[np.ndarray, np.ndarray] | None
+) -> np.ndarray:
     """One solve; modal dampers are of low rank, (Z + U D Uᵀ)⁻¹ = Z⁻¹ − Z⁻¹ U (D⁻¹ + Uᵀ Z⁻¹ U)⁻¹ Uᵀ Z⁻¹."""
     try:
         factors = linear.factorized(1j * omega)
@@ -74,12 +76,14 @@ def _answer(linear: Linear, force: np.ndarray, omega: float, damper: tuple[np.nd
         both = factors.solve(np.column_stack([force, spread]).astype(complex))
     except RuntimeError:
         raise ValueError(
-            f"frequency_response: {omega / (2.0 * np.pi):.6g} Hz is a frequency of the undamped model itself, where the "
-            "answer is infinite; give damping, or another frequency"
+            f"frequency_response: {omega / (2.0 * np.pi):.6g} Hz is a frequency of the undamped model itself, where "
+            "the answer is infinite; give damping, or another frequency"
         ) from None
     alone, across = both[:, 0], both[:, 1:]
-    small = np.diag(1.0 / (1j * omega * rates)) + spread.T @ across if omega else np.diag(np.full(len(rates), np.inf))
-    return alone - across @ np.linalg.solve(small, spread.T @ alone) if omega else alone
+    if omega == 0.0:
+        return alone
+    small = np.diag(1.0 / (1j * omega * rates)) + spread.T @ across
+    return alone - across @ np.linalg.solve(small, spread.T @ alone)
 
 
 def _damper(linear: Linear, ratio: float | None, count: int) -> tuple[np.ndarray, np.ndarray] | None:

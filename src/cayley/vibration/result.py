@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 AXES = ("x", "y", "z")
 DIRECTIONS = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
+ONLY_TURNS = 1e-6
+"""A mode that displaces nodes less than so many radians turn over the extent only turns."""
 CORRECTIONS = 8
 """Most corrections that bring a displaced state back onto constraints; each squares the error."""
 EXACT = 1e-12
@@ -62,12 +64,12 @@ class Modes:
 
     @property
     def complete(self) -> bool:
-        """Whether a count by inertia says that no frequency below the last one is missing (without damping and spin)."""
+        """Whether a count by inertia says that none below the last is missing; never with damping or spin."""
         return self.pairs.checked
 
     @property
     def eigenvalue(self) -> "xr.DataArray":
-        """s [1/s], dims (mode,): Im s is the angular frequency, −Re s the decay."""
+        """Eigenvalues s [1/s], dims (mode,): Im s is the angular frequency, −Re s the decay."""
         return self._series(self.pairs.values, "eigenvalue", "1/s")
 
     @property
@@ -116,20 +118,18 @@ class Modes:
 
     @property
     def effective_mass(self) -> "xr.DataArray":
-        """|Γ|² [kg, kg m²], dims (mode, direction): over all modes they add up to the mass, or inertia, that can move."""
-        found = np.abs(self.participation) ** 2
-        return found.rename("effective modal mass")
+        """|Γ|² [kg, kg m²], dims (mode, direction): of all modes they add up to the mass, or inertia, that can move."""
+        return (abs(self.participation) ** 2).rename("effective modal mass")
 
     def state(self, k: int, amplitude: float, phase: float = 0.0) -> State:
         """The equilibrium displaced along a mode, a start for cy.simulate: v = Re(a φ e^(iα)), v̇ = Re(s a φ e^(iα)).
 
         Args:
             k: the mode, from 0.
-            amplitude: largest displacement of a node over a period [m], of a mode that only turns largest rotation
-                [rad].
+            amplitude: largest displacement of a node [m]; of a mode that only turns largest rotation [rad].
             phase: α [rad].
 
-        Returns: values that satisfy the constraints, and momenta; in a turning frame with the velocities of its turning.
+        Returns: values that satisfy the constraints, and momenta; in a turning frame with velocities of its turning.
 
         Raises:
             IndexError: if there is no such mode.
@@ -140,7 +140,8 @@ class Modes:
         layout = self.about.system.layout
         moves = self.linear.spread(vector)
         sizes = [np.linalg.norm(moves[:, layout.dofs_of(name)], axis=1).max() for name in ("x", "p")]
-        turn = np.exp(1j * phase) * amplitude / (sizes[0] if sizes[0] > 0.0 else sizes[1])
+        moving = sizes[0] > ONLY_TURNS * self.about.still.made.struct.extent * sizes[1]
+        turn = np.exp(1j * phase) * amplitude / (sizes[0] if moving else sizes[1])
         still, kept = self.about.still, (self.about.still.values, self.about.still.multipliers)
         try:
             values = _displaced(still, (turn * vector).real)
@@ -150,7 +151,7 @@ class Modes:
         return initial_state(self.about.system, values, rates, time=self.about.time)
 
     def data(self) -> "xr.Dataset":
-        """All in one Dataset: eigenvalue, frequency, damping_ratio, effective_mass and PART.displacement, PART.rotation."""
+        """All in one Dataset: eigenvalue, frequency, damping_ratio, effective_mass, PART.displacement, PART.rotation."""
         import xarray as xr
 
         found = {"eigenvalue": self.eigenvalue, "frequency": self.frequency, "damping_ratio": self.damping_ratio}
@@ -228,7 +229,7 @@ def moved(linear: Linear, vectors: np.ndarray, place: Any, dim: str, coordinates
         turn = _rotated(quaternion.inverse_rotate, np.array(port.turn), turn[:, node])
         dims: tuple[str, ...] = (dim, "axis")
     else:
-        name = place if isinstance(place, str) else name_of(place, model)
+        name = place if isinstance(place, str) else str(name_of(place, model))
         if name not in among:
             raise KeyError(f"the model has no part {place!r}; it has {', '.join(among)}")
         shift, turn = shift[:, among[name]], turn[:, among[name]]
@@ -245,7 +246,7 @@ def moved(linear: Linear, vectors: np.ndarray, place: Any, dim: str, coordinates
 
 
 def rigid(linear: Linear) -> np.ndarray:
-    """Rigid motions of all that is not held: unit displacements along x, y, z, and unit turns about them, shape (n, 6)."""
+    """Rigid motions of all that is not held: unit displacements along x, y, z and turns about them, shape (n, 6)."""
     about = linear.about
     layout, values = about.system.layout, about.still.values
     found = np.zeros((len(values), layout.dofs, 6))
@@ -279,4 +280,3 @@ def _rotated(turn: Any, p: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors, of complex numbers perhaps, turned by rotations."""
     real = np.asarray(turn(p, v.real), dtype=float)
     return real + 1j * np.asarray(turn(p, v.imag), dtype=float) if np.iscomplexobj(v) else real
-
