@@ -13,9 +13,9 @@ from cayley.statics import Equilibrium, equilibrium
 from cayley.system.discretize import spans
 
 ASYMMETRY = 1e-12
-"""Part of the largest entry up to which a matrix differs from its transpose, or zero, by rounding."""
+"""Entries of this part of the largest one are rounding errors: of symmetry, and of zero."""
 PIVOT = 0.1
-"""A diagonal entry serves as pivot if it has this part of the largest in its column: less fill, and errors no larger."""
+"""A diagonal entry serves as pivot if it has this part of the largest in its column: less fill, errors no larger."""
 KINDS = {"x": ("x", "y", "z"), "p": ("turn about d1", "turn about d2", "turn about d3")}
 """Degrees of freedom of a node in words: displacement in space, small rotation about its own axes."""
 

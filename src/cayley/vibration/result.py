@@ -151,7 +151,7 @@ class Modes:
         return initial_state(self.about.system, values, rates, time=self.about.time)
 
     def data(self) -> "xr.Dataset":
-        """All in one Dataset: eigenvalue, frequency, damping_ratio, effective_mass, PART.displacement, PART.rotation."""
+        """All in one Dataset: eigenvalue, frequency, damping_ratio, effective_mass, PART.displacement and .rotation."""
         import xarray as xr
 
         found = {"eigenvalue": self.eigenvalue, "frequency": self.frequency, "damping_ratio": self.damping_ratio}
@@ -164,7 +164,11 @@ class Modes:
 
     def save(self, path: str | Path) -> None:
         """Write data() to a Zarr store, which ``xarray.open_zarr(path, consolidated=False)`` reads."""
-        self.data().to_zarr(path, mode="w", consolidated=False)
+        labels = {
+            "axis": ", ".join(AXES),
+            "direction": ", ".join(DIRECTIONS),
+        }  # Zarr has no standard for arrays of text
+        self.data().drop_vars(list(labels)).assign_attrs(labels).to_zarr(path, mode="w", consolidated=False)
 
     def __repr__(self) -> str:
         """How many, and from which frequency to which."""
