@@ -22,8 +22,8 @@ BESIDE, TRIES = 1.0625, 3
 """Next shift where one is an eigenvalue, and how often."""
 FAINT = 1e-6
 """So small a part of the shift is zero: a free motion is a double eigenvalue s = 0, split by a root of rounding."""
-APART = 1e-6
-"""Relative distance of eigenvalues between which one can count."""
+APART, SPARE = 1e-6, 4
+"""Relative distance of eigenvalues between which one can count, and how many more are found so that there are such."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ def _real(linear: Linear, count: int, *, check: bool = True) -> Pairs:
             nu, y = all_of(apply, linear.size, symmetric=True)
             nu, y = nu[: linear.motions], y[:, : linear.motions]
         else:
-            nu, y = largest(apply, linear.size, min(count + 1, linear.motions), block, symmetric=True)
+            nu, y = largest(apply, linear.size, min(count + SPARE, linear.motions), block, symmetric=True)
         squares, vectors = 1.0 / nu - scale, down.T @ y
         order = np.argsort(np.abs(squares), kind="stable")
         squares, vectors = squares[order], vectors[:, order]
