@@ -48,14 +48,14 @@ def eigenpairs(linear: Linear, count: int) -> Pairs:
         linear: the matrices.
         count: how many; a pair of complex conjugates counts as one.
     """
-    count = min(count, linear.motions)
-    if count <= 0:
+    if linear.motions <= 0:
         return Pairs(np.zeros(0, dtype=complex), np.zeros((linear.size, 0)), checked=True)
     return _real(linear, count) if linear.conservative else _complex(linear, count)
 
 
 def _real(linear: Linear, count: int, *, check: bool = True) -> Pairs:
     """K v + Aᵀ λ = ω² M v, A v = 0, by shift and inversion: ν = 1/(ω² + σ), counted by the inertia of K ± ω² M."""
+    count = min(count, linear.motions)
     root, factors = _regular(linear, np.sqrt(_lowest(linear)))
     scale = root**2
     up, down = _roots(linear)
@@ -88,7 +88,8 @@ def _complex(linear: Linear, count: int) -> Pairs:
 
     P(σ) = σ² M + σ (C + G) + K,   v ← −P⁻¹ (M w + (C + G + σ M) v),   w ← v + σ v'
     """
-    sigma, factors = _regular(linear, _middle(linear, count))
+    middle, free = _middle(linear, count)
+    sigma, factors = _regular(linear, middle)
     rates = linear.rates
     up, down = _roots(linear)
     within = down @ rates @ down.T  # in the coordinates y = Lᵀ v, with M = L Lᵀ
@@ -105,7 +106,7 @@ def _complex(linear: Linear, count: int) -> Pairs:
         nu, z = nu[: 2 * linear.motions], z[:, : 2 * linear.motions]
     else:
         wanted = min(2 * count + BLOCK, 2 * linear.motions)
-        nu, z = largest(apply, size, wanted, BLOCK, symmetric=False)
+        nu, z = largest(apply, size, wanted, max(BLOCK, free + 2), symmetric=False)
     values = sigma + 1.0 / nu
     vectors = down.T @ z[: linear.size]
     vectors = vectors / np.sqrt(np.einsum("ij,ij->j", vectors.conj(), linear.mass @ vectors).real)
@@ -181,13 +182,14 @@ def _regular(linear: Linear, s: float) -> tuple[float, Factors]:
     return s, linear.factorized(s)
 
 
-def _middle(linear: Linear, count: int) -> float:
-    """About the frequency [rad/s] halfway up to the last one wanted, as if there were neither C nor G nor other K."""
+def _middle(linear: Linear, count: int) -> tuple[float, int]:
+    """About the frequency halfway up to the last one wanted [rad/s], and how many are zero, without C, G and skew K."""
     stiffness = csc_array(0.5 * (linear.stiffness + linear.stiffness.T))
     nothing = csc_array(linear.mass.shape)
     alone = replace(linear, damping=nothing, gyroscopic=nothing, stiffness=stiffness)
     lowest = np.sqrt(_lowest(linear))
-    return max(0.5 * float(np.abs(_real(alone, count, check=False).values).max(initial=0.0)), lowest)
+    found = np.abs(_real(alone, count, check=False).values)
+    return max(0.5 * float(found.max(initial=0.0)), lowest), int((found == 0.0).sum())
 
 
 def _rounding(linear: Linear, vectors: np.ndarray) -> np.ndarray:
