@@ -41,6 +41,11 @@ _HOMES = {
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
+    "modes": "vibration",
+    "Modes": "vibration",
+    "matrices": "vibration",
+    "frequency_response": "vibration",
+    "campbell": "vibration",
     "Trajectory": "results.trajectory",
 }
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
@@ -118,5 +123,10 @@ if TYPE_CHECKING:
     from cayley.statics import EquilibriumError as EquilibriumError
     from cayley.statics import equilibrium as equilibrium
     from cayley.system.compile import compile_lagrangian
+    from cayley.vibration import Modes as Modes
+    from cayley.vibration import campbell as campbell
+    from cayley.vibration import frequency_response as frequency_response
+    from cayley.vibration import matrices as matrices
+    from cayley.vibration import modes as modes
 
     compile = compile_lagrangian

@@ -158,6 +158,29 @@ def doctor() -> None:
 
 
 @app.command()
+def modes(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(min=1, help="Number of modes; that of the file, or 10.", show_default=False)
+    ] = None,
+    report: Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML page.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Find the modes of a scenario about its equilibrium: a table, a Zarr store, pictures, a page where they move.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+    """
+    from cayley.cli.modes import modes
+
+    raise typer.Exit(modes(scenario, out=out, count=count, report=report, quiet=quiet))
+
+
+@app.command()
 def advise(
     scenario: Annotated[
         str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")

@@ -10,6 +10,7 @@ from pydantic import Discriminator, Field
 from cayley.cli import force_tables, tie_schema
 from cayley.cli.expressions import LANGUAGE
 from cayley.cli.force_tables import FORCE_TABLES, DampingTable
+from cayley.cli.modes_schema import ModesTable
 from cayley.cli.schema_base import NAME as _NAME
 from cayley.cli.schema_base import PORT as _NODE
 from cayley.cli.schema_base import Name, Table, Until, Vector
@@ -276,13 +277,14 @@ class ScenarioTables(Table):
     load: list[LoadTable] = Field([], description="[[load]] tables")
     initial: list[InitialTable] = Field([], description="[[initial]] tables")
     run: RunTable = Field(description="a [run] table with t_end")
+    modes: ModesTable | None = Field(None, description="a [modes] table")
     report: ReportTable | None = Field(None, description="a [report] table")
     notes: NotesTable | None = Field(None, description="a [notes] table")
 
 
 Place = tuple[str | int, ...]
 
-_ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes": NotesTable}
+_ONE: dict[str, type[Table]] = {"run": RunTable, "modes": ModesTable, "report": ReportTable, "notes": NotesTable}
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
 _MANY["body"] = BodyTable
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {

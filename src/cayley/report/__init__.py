@@ -8,10 +8,10 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-_HOMES = {"write_report": "html", "conservation": "conserved", "citation": "cite"}
-_MODULES = ("figures",)
+_HOMES = {"write_report": "html", "write_modes": "modes_page", "conservation": "conserved", "citation": "cite"}
+_MODULES = ("figures", "vibration")
 
-__all__ = ["citation", "conservation", "figures", "write_report"]
+__all__ = ["citation", "conservation", "figures", "vibration", "write_modes", "write_report"]
 
 
 def __getattr__(name: str) -> Any:
@@ -24,7 +24,8 @@ def __getattr__(name: str) -> Any:
 
 
 if TYPE_CHECKING:
-    from cayley.report import figures
+    from cayley.report import figures, vibration
     from cayley.report.cite import citation
     from cayley.report.conserved import conservation
     from cayley.report.html import write_report
+    from cayley.report.modes_page import write_modes

@@ -49,20 +49,34 @@ def write_report(
     """
     parts = [
         _head(title or "A run", run),
-        _section("Conservation", _conservation_table(run)),
-        _section("Energy and momenta", _energies(run)),
+        section("Conservation", _conservation_table(run)),
+        section("Energy and momenta", _energies(run)),
         *([] if run.model is None else _rods(run, times, nodes)),
-        *([_section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))] if notes else []),
-        *([_section("Model", f"<pre>{escape(str(run.model))}</pre>")] if run.model is not None else []),
-        *([_section("Scenario", _folded("The file", f"<pre>{escape(scenario_text)}</pre>"))] if scenario_text else []),
-        _section("How to cite", "".join(f"<p>{escape(reference)}</p>" for reference in citation())),
-        f"<footer>{escape(_versions())}</footer>",
+        *([section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))] if notes else []),
+        *([section("Model", f"<pre>{escape(str(run.model))}</pre>")] if run.model is not None else []),
+        *([section("Scenario", folded("The file", f"<pre>{escape(scenario_text)}</pre>"))] if scenario_text else []),
+        section("How to cite", "".join(f"<p>{escape(reference)}</p>" for reference in citation())),
+        f"<footer>{escape(versions())}</footer>",
     ]
+    return write_page(path, title or "A run", parts)
+
+
+def write_page(path: str | Path, title: str, parts: Iterable[str], *, style: str = "") -> Path:
+    """Write the parts of a page, whole at its path when it is complete.
+
+    Args:
+        path: of the file; an old one is replaced.
+        title: of the page.
+        parts: of its body.
+        style: what its style has besides that of all pages.
+
+    Returns: the path.
+    """
     page = (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title or 'A run')}</title>\n"
-        f"<style>\n{resources.files('cayley.report').joinpath('page.css').read_text(encoding='utf-8')}</style>\n"
+        f"<title>{escape(title)}</title>\n"
+        f"<style>\n{resources.files('cayley.report').joinpath('page.css').read_text(encoding='utf-8')}{style}</style>\n"
         "</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
     )
     target = Path(path)
@@ -78,7 +92,8 @@ def _head(title: str, run: Any) -> str:
     return f'<header><h1>{escape(title)}</h1><p class="lead">{escape(span)}, {len(time)} frames saved.</p></header>'
 
 
-def _section(heading: str, body: str) -> str:
+def section(heading: str, body: str) -> str:
+    """A section with its heading."""
     return f"<section>\n<h2>{escape(heading)}</h2>\n{body}\n</section>"
 
 
@@ -98,7 +113,7 @@ def _energies(run: Any) -> str:
         "components 1, 2, 3 are x, y, z in space. While loads other than gravity act the background is shaded. After "
         "Leitz, Ober-Blöbaum and Leyendecker (2014), Figure 3."
     )
-    return _figure(figures.energies(run), "Energies and momenta over the time.", caption)
+    return figure_html(figures.energies(run), "Energies and momenta over the time.", caption)
 
 
 def _rods(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
@@ -109,12 +124,12 @@ def _rods(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) 
     )
     if run.model.bodies or run.model.connections:
         caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
-    yield _section("Snapshots", _figure(figures.snapshots(run, times=times), "The model at some times.", caption))
+    yield section("Snapshots", figure_html(figures.snapshots(run, times=times), "The model at some times.", caption))
     names = [run.model.name_of(rod) for rod in run.model.rods]
     for rod, name in list(zip(run.model.rods, names, strict=True))[:_MOST_RODS]:
         chosen = [k for k in nodes or () if -rod.elements - 1 <= k <= rod.elements] or None
         heading = "Stress resultants" + (f" of {name}" if len(names) > 1 else "")
-        yield _section(heading, _resultants(run, name, chosen))
+        yield section(heading, _resultants(run, name, chosen))
 
 
 def _resultants(run: Any, name: str, nodes: Sequence[int] | None) -> str:
@@ -127,16 +142,20 @@ def _resultants(run: Any, name: str, nodes: Sequence[int] | None) -> str:
         f"The discrete momenta of one step of {run.dt:.6g} s, which the paper's Figure 5 seems to show: the force and "
         "the moment times the time step."
     )
-    first = _figure(figures.resultants(run, name, nodes), "Stress resultants over the time.", caption)
-    second = _figure(figures.resultants(run, name, nodes, impulse=True), "Discrete momenta over the time.", impulses)
-    return first + _folded("The same as momenta over one step", second)
+    first = figure_html(figures.resultants(run, name, nodes), "Stress resultants over the time.", caption)
+    second = figure_html(
+        figures.resultants(run, name, nodes, impulse=True), "Discrete momenta over the time.", impulses
+    )
+    return first + folded("The same as momenta over one step", second)
 
 
-def _folded(summary: str, body: str) -> str:
+def folded(summary: str, body: str) -> str:
+    """What is shown when its summary is clicked."""
     return f"<details><summary>{escape(summary)}</summary>{body}</details>"
 
 
-def _figure(figure: Figure, title: str, caption: str) -> str:
+def figure_html(figure: Figure, title: str, caption: str) -> str:
+    """A figure as a picture in the page, with its caption."""
     picture = io.BytesIO()
     with style():
         figure.savefig(picture, format="svg", metadata={"Date": None, "Creator": None})
@@ -145,7 +164,8 @@ def _figure(figure: Figure, title: str, caption: str) -> str:
     return f"<figure>{image}<figcaption><b>{escape(title)}</b> {escape(caption)}</figcaption></figure>"
 
 
-def _versions() -> str:
+def versions() -> str:
+    """Versions of the library, of those it uses, and the machine."""
     libraries = []
     for name in _LIBRARIES:
         try:

@@ -252,7 +252,7 @@ def _between(
     local = np.full(system.size + 1, -1)
     local[nodes] = np.arange(len(nodes))
     local[-1] = len(nodes)  # the ground
-    signature = repr(system.layout)
+    signature = f"{dict(system.layout.fields)} {system.layout.representation.name}"  # the same in every process
     return {
         "programs": programs,
         "kernels": tuple(_kernel(one, system.kernels.lanes, signature) for one in programs),
