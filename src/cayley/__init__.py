@@ -46,6 +46,9 @@ _HOMES = {
     "matrices": "vibration",
     "frequency_response": "vibration",
     "campbell": "vibration",
+    "trace": "continuation",
+    "Path": "continuation",
+    "buckling": "continuation",
     "Trajectory": "results.trajectory",
 }
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
@@ -83,6 +86,9 @@ def __dir__() -> list[str]:
 
 
 if TYPE_CHECKING:
+    from cayley.continuation import Path as Path
+    from cayley.continuation import buckling as buckling
+    from cayley.continuation import trace as trace
     from cayley.density.expression import cross as cross
     from cayley.density.expression import dot as dot
     from cayley.density.expression import norm as norm

@@ -234,6 +234,25 @@ def sweep(
 
 
 @app.command()
+def trace(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml", help="A scenario file with a table [trace].", show_default=False)
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Follow equilibria of a scenario along a parameter: limit and bifurcation points, a Zarr store, a diagram.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+    """
+    from cayley.cli.trace import trace
+
+    raise typer.Exit(trace(scenario, out=out, quiet=quiet))
+
+
+@app.command()
 def cite(
     folder: Annotated[
         Path | None,

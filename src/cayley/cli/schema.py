@@ -17,6 +17,7 @@ from cayley.cli.schema_base import Name, Table, Until, Vector
 from cayley.cli.schema_base import positive as _positive
 from cayley.cli.schema_base import vector as _vector
 from cayley.cli.tie_schema import BodyTable, JointTable, SpringTable
+from cayley.cli.trace_schema import TraceTable
 
 _AXES = 'letters out of "xyz", each once'
 _SHEAR = 'a positive number [-], two in brackets, one for each axis of the section, "cowper" or "none"'
@@ -278,13 +279,20 @@ class ScenarioTables(Table):
     initial: list[InitialTable] = Field([], description="[[initial]] tables")
     run: RunTable = Field(description="a [run] table with t_end")
     modes: ModesTable | None = Field(None, description="a [modes] table")
+    trace: TraceTable | None = Field(None, description="a [trace] table with a parameter")
     report: ReportTable | None = Field(None, description="a [report] table")
     notes: NotesTable | None = Field(None, description="a [notes] table")
 
 
 Place = tuple[str | int, ...]
 
-_ONE: dict[str, type[Table]] = {"run": RunTable, "modes": ModesTable, "report": ReportTable, "notes": NotesTable}
+_ONE: dict[str, type[Table]] = {
+    "run": RunTable,
+    "modes": ModesTable,
+    "trace": TraceTable,
+    "report": ReportTable,
+    "notes": NotesTable,
+}
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
 _MANY["body"] = BodyTable
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
