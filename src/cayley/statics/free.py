@@ -19,7 +19,8 @@ RESTING = 0.05
 def free_motions(still: Still, inertia: float) -> np.ndarray:
     """Motions without stiffness at an equilibrium, orthonormal in the mass norm, shape (k, unknowns).
 
-    The smallest eigenvalues of K x = ω² M x by inverse iteration of a few vectors on K + σM.
+    The smallest singular values of K, seen in the mass norm, by inverse iteration of a few vectors on K + σM. Not its
+    eigenvalues: a motion that loads drive, or that lowers the energy, has stiffness, too.
 
     Args:
         still: the system.
@@ -37,8 +38,8 @@ def free_motions(still: Still, inertia: float) -> np.ndarray:
         x = np.array([-still.solve(mass @ row) for row in x])
         x[:, still.spots] = 0.0
         x = _orthonormal(x, x @ (mass @ x.T))
-    values, vectors = np.linalg.eigh(x @ (stiffness @ x.T))
-    return vectors.T[values < CLEAR * inertia] @ x
+    _, values, rows = np.linalg.svd(x @ (stiffness @ x.T))
+    return rows[values < CLEAR * inertia] @ x
 
 
 def tell(still: Still, model: Model, motions: np.ndarray) -> list[str]:
