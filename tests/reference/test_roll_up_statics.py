@@ -29,7 +29,7 @@ def rolled(section, length, elements, turns, **options):
 
 @pytest.mark.parametrize("elements", MESHES)
 def test_circle_of_beamdyn(elements):
-    """Wang et al. (2017): u = (−10, 0, 0); one Legendre element of 3, 6, 9, 12 nodes: −15.6, −11.0, −10.06, −10.000001."""
+    """Wang et al. (2017): u = (−10, 0, 0); one Legendre element of 3, 6, 9, 12 nodes: −15.6, −11, −10.06, −10.0000."""
     section = published([1770e3, 1770e3, 1770e3, 8.16e3, 86.9e3, 215e3])
     found, exact, _ = rolled(section, 10.0, elements, 1.0)
     np.testing.assert_allclose(found, exact, atol=1e-9 * 10.0)

@@ -111,9 +111,7 @@ def test_timoshenko_beam_of_pyelastica():
     """w = −F s/(κGA) − F l s²/(2 EI) + F s³/(6 EI), linear; the finite rotation makes it 3e-4 less here."""
     length, radius, young, shear, force = 3.0, 0.25, 1e6, 1e4, 15.0
     area, second = np.pi * radius**2, np.pi * radius**4 / 4.0
-    section = given(
-        [27 / 28 * shear * area] * 2 + [young * area, young * second, young * second, 2.0 * shear * second]
-    )
+    section = given([27 / 28 * shear * area] * 2 + [young * area, young * second, young * second, 2.0 * shear * second])
     rod = straight(section, length, 10)
     linear = -force * length / section.stiffness[0, 0] - force * length**3 / (3.0 * young * second)
     found, small = (tip(rod, loads.force(rod.end, (0.0, 0.0, -share * force)), rule=CUBIC)[2] for share in (1.0, 1e-3))

@@ -25,11 +25,13 @@ class Scenario:
 
     Attributes:
         name: of the file, without `.toml`.
+        file: how messages call it.
         text: of the file.
         tables: its contents.
     """
 
     name: str
+    file: str
     text: str
     tables: schema.ScenarioTables
 
@@ -40,7 +42,13 @@ class Scenario:
 
     @property
     def run(self) -> schema.RunTable:
-        """The `[run]` table."""
+        """The `[run]` table.
+
+        Raises:
+            ScenarioError: there is none.
+        """
+        if self.tables.run is None:
+            raise ScenarioError(self.file, ["run: is missing; allowed: a [run] table with t_end"])
         return self.tables.run
 
     def model(self) -> Model:
@@ -126,4 +134,6 @@ def parse(text: str, *, name: str, file: str) -> Scenario:
         build(tables)
     except BuildError as error:
         raise ScenarioError(file, error.found) from None
-    return Scenario(name, text, tables)
+    if tables.statics is None and tables.run is None:
+        raise ScenarioError(file, ["run: is missing; allowed: a [run] table with t_end, or a [statics] table"])
+    return Scenario(name, file, text, tables)

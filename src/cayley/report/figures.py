@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cayley.report.conserved import Array, load_free
-from cayley.report.snapshots import snapshots
+from cayley.report.snapshots import deformed, snapshots
 from cayley.report.style import AXES, BLUE, INK, SHADE, VERMILION, WIDTH, style
 
-__all__ = ["energies", "resultants", "snapshots"]
+__all__ = ["deformed", "energies", "resultants", "snapshots"]
 
 _MOST_POINTS = 1500  # of a line: more than the figure has pixels
 

@@ -208,8 +208,7 @@ def embedded(system: System) -> System:
     """The same system with rotations as unit quaternions."""
     if system.layout.representation.name == "quaternion":
         return system
-    equations = system.equations
-    known = equations._derived
+    equations, known = system.equations, system.plans
     if "embedded" not in known:
         made = derive(equations.density, equations.rule, varying=equations.varying)
         known["embedded"] = made, Kernels(made)

@@ -162,8 +162,8 @@ class Still:
     def settle(self, fade: np.ndarray | None = None, *, inertia: float = 0.0) -> np.ndarray | None:
         """Correction of positions and multipliers alone, rotations being what they are; None where it is singular.
 
-        Strains are linear in positions: this takes out at once what a finite turn stretches, and Newton's method sees the
-        forces in a slender rod, not those of its own last correction.
+        Strains are linear in positions: this takes out at once what a finite turn stretches, and Newton's method sees
+        the forces in a slender rod, not those of its own last correction.
 
         Args:
             fade: forces that are subtracted.
