@@ -130,10 +130,10 @@ def parse(text: str, *, name: str, file: str) -> Scenario:
         raise ScenarioError(file, [f"TOML syntax: {error}"]) from None
     except ValidationError as error:
         raise ScenarioError(file, problems.of_validation(error)) from None
+    if tables.statics is None and tables.run is None:
+        raise ScenarioError(file, ["run: is missing; allowed: a [run] table with t_end, or a [statics] table"])
     try:
         build(tables)
     except BuildError as error:
         raise ScenarioError(file, error.found) from None
-    if tables.statics is None and tables.run is None:
-        raise ScenarioError(file, ["run: is missing; allowed: a [run] table with t_end, or a [statics] table"])
     return Scenario(name, file, text, tables)
