@@ -10,8 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from cayley.cli.execute import DONE, STOPPED, WRONG_INPUT, one_line, told
-from cayley.cli.problems import ScenarioError
+from cayley.cli.execute import DONE, STOPPED, guarded, one_line, told
 from cayley.cli.scenario import Scenario, load
 from cayley.cli.statics_schema import StaticsTable
 
@@ -33,43 +32,39 @@ def statics(source: str, *, out: Path | None, picture: bool, quiet: bool) -> int
     """
     from cayley.statics import EquilibriumError
 
-    console = Console(quiet=quiet, highlight=False)
-    try:
+    def found() -> int:
         scenario = load(source)
         folder = Path("runs") / scenario.name if out is None else out
-        folder.mkdir(parents=True, exist_ok=True)
-        with console.status("Looking for the equilibrium"):
-            rest = _found(scenario)
-        rest.save(folder / "rest.zarr", overwrite=True)
-        (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
-        console.print(str(rest.model), repr(rest), sep="\n", soft_wrap=True, markup=False)
-        for table in (ends(rest), reactions(rest), moments(rest)):
-            if table.row_count:
-                console.print("", table)
-        console.print(f"Results: {folder / 'rest.zarr'}", soft_wrap=True)
-        if picture:
-            from cayley.report import figures
+        try:
+            _found(scenario, folder, Console(quiet=quiet, highlight=False), picture=picture)
+        except EquilibriumError as error:
+            return told([f"{source}: {one_line(error)}"], STOPPED)
+        return DONE
 
-            figures.deformed(rest).savefig(folder / "rest.png", dpi=_DPI)
-            console.print(f"Picture: {folder / 'rest.png'}", soft_wrap=True)
-    except ScenarioError as error:
-        return told(error.problems, WRONG_INPUT)
-    except OSError as error:  # of the folder or the disk
-        return told([f"{error.filename}: {error.strerror}" if error.strerror else str(error)], WRONG_INPUT)
-    except EquilibriumError as error:
-        return told([f"{source}: {one_line(error)}"], STOPPED)
-    except (TypeError, ValueError) as error:
-        return told([f"{source}: {one_line(error)}"], WRONG_INPUT)
-    return DONE
+    return guarded(source, found)
 
 
-def _found(scenario: Scenario) -> Any:
+def _found(scenario: Scenario, folder: Path, console: Console, *, picture: bool) -> None:
     from cayley.discrete import rules
     from cayley.statics import equilibrium
 
     wanted = scenario.tables.statics or StaticsTable.model_validate({})
     options = wanted.model_dump(exclude={"rule"})
-    return equilibrium(scenario.model(), rule=rules.by_name(wanted.rule or "midpoint"), **options)
+    with console.status("Looking for the equilibrium"):
+        rest = equilibrium(scenario.model(), rule=rules.by_name(wanted.rule or "midpoint"), **options)
+    folder.mkdir(parents=True, exist_ok=True)
+    rest.save(folder / "rest.zarr", overwrite=True)
+    (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
+    console.print(str(rest.model), repr(rest), sep="\n", soft_wrap=True, markup=False)
+    for table in (ends(rest), reactions(rest), moments(rest)):
+        if table.row_count:
+            console.print("", table)
+    console.print(f"Results: {folder / 'rest.zarr'}", soft_wrap=True)
+    if picture:
+        from cayley.report import figures
+
+        figures.deformed(rest).savefig(folder / "rest.png", dpi=_DPI)
+        console.print(f"Picture: {folder / 'rest.png'}", soft_wrap=True)
 
 
 def ends(rest: Any) -> Table:

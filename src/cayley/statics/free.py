@@ -44,7 +44,7 @@ def free_motions(still: Still, inertia: float) -> np.ndarray:
 
 def tell(still: Still, model: Model, motions: np.ndarray) -> list[str]:
     """Motions in words, simplified by rotation among themselves: "bob turns about (0, 0, 1) through (1, 0, 2)"."""
-    return [_describe(still, model, motion) for motion in _simplified(motions)]
+    return [_describe(still, model, motion) for motion in simplified(motions)]
 
 
 def _orthonormal(x: np.ndarray, gram: np.ndarray) -> np.ndarray:
@@ -53,7 +53,7 @@ def _orthonormal(x: np.ndarray, gram: np.ndarray) -> np.ndarray:
     return (vectors[:, good] / np.sqrt(values[good])).T @ x
 
 
-def _simplified(motions: np.ndarray) -> np.ndarray:
+def simplified(motions: np.ndarray) -> np.ndarray:
     """The same space, spanned by vectors with many zeros: reduced row echelon form with the largest pivots."""
     x = motions.copy()
     for k in range(len(x)):
