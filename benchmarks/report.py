@@ -247,7 +247,7 @@ def statics(record: Record) -> str:
     if "cayley_s" not in modes:
         return found
     times = [(name, ranged(modes[f"{name}_s"], 3)) for name in ("cayley", "dense", "exudyn") if f"{name}_s" in modes]
-    kind = f"{modes['modes']} modes of {modes['elements']} elements, to {modes['largest_difference']:.0e} of one another"
+    kind = f"{modes['modes']} modes of {modes['elements']} elements, to {modes['largest_difference']:.0e} alike"
     return f"{found}\n\n{kind}.\n\n{table(('program', 'time [s]'), times)}"
 
 

@@ -39,9 +39,7 @@ def cantilever(elements: int, force: float) -> tuple[Any, list[int]]:
     kind, straight = items.NodeRigidBodyRotVecLG, [0.0, 0.0, 0.0]
     nodes = [system.AddNode(kind(referenceCoordinates=[k * size, 0.0, 0.0, *straight])) for k in range(elements + 1)]
     for ends in itertools.pairwise(nodes):
-        system.AddObject(
-            items.ObjectBeamGeometricallyExact(nodeNumbers=list(ends), length=size, sectionData=section)
-        )
+        system.AddObject(items.ObjectBeamGeometricallyExact(nodeNumbers=list(ends), length=size, sectionData=section))
     ground = system.AddNode(items.NodePointGround())
     fixed = system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
     for axis in range(6):
