@@ -116,7 +116,7 @@ def test_messages_on_the_page_are_those_one_gets() -> None:
     assert page.splitlines() == told
 
 
-@pytest.mark.parametrize("name", ["howto-joints.md", "howto-vibration.md"])
+@pytest.mark.parametrize("name", ["howto-joints.md", "howto-statics.md", "howto-vibration.md"])
 def test_pages_say_what_happens(name: str) -> None:
     page = str(ROOT / "docs" / name)
     found = doctest.testfile(page, module_relative=False, optionflags=doctest.ELLIPSIS)

@@ -253,6 +253,26 @@ def trace(
 
 
 @app.command()
+def statics(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the deformed shape.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Find the equilibrium of a scenario: ends, reactions and largest moments, a Zarr store, a picture.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 no equilibrium was found.
+    """
+    from cayley.cli.statics import statics
+
+    raise typer.Exit(statics(scenario, out=out, picture=picture, quiet=quiet))
+
+
+@app.command()
 def cite(
     folder: Annotated[
         Path | None,

@@ -25,11 +25,13 @@ class Scenario:
 
     Attributes:
         name: of the file, without `.toml`.
+        file: how messages call it.
         text: of the file.
         tables: its contents.
     """
 
     name: str
+    file: str
     text: str
     tables: schema.ScenarioTables
 
@@ -40,7 +42,13 @@ class Scenario:
 
     @property
     def run(self) -> schema.RunTable:
-        """The `[run]` table."""
+        """The `[run]` table.
+
+        Raises:
+            ScenarioError: there is none.
+        """
+        if self.tables.run is None:
+            raise ScenarioError(self.file, ["run: is missing; allowed: a [run] table with t_end"])
         return self.tables.run
 
     def model(self) -> Model:
@@ -132,8 +140,10 @@ def parse(text: str, *, name: str, file: str) -> Scenario:
         raise ScenarioError(file, [f"TOML syntax: {error}"]) from None
     except ValidationError as error:
         raise ScenarioError(file, problems.of_validation(error)) from None
+    if tables.statics is None and tables.run is None:
+        raise ScenarioError(file, ["run: is missing; allowed: a [run] table with t_end, or a [statics] table"])
     try:
         build(tables)
     except BuildError as error:
         raise ScenarioError(file, error.found) from None
-    return Scenario(name, text, tables)
+    return Scenario(name, file, text, tables)

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from cayley.report.conserved import Array, load_free
 from cayley.report.diagram import branches
-from cayley.report.snapshots import snapshots
+from cayley.report.snapshots import deformed, snapshots
 from cayley.report.style import AXES, BLUE, INK, SHADE, VERMILION, WIDTH, style
 
-__all__ = ["branches", "energies", "resultants", "snapshots"]
+__all__ = ["branches", "deformed", "energies", "resultants", "snapshots"]
 
 _MOST_POINTS = 1500  # of a line: more than the figure has pixels
 

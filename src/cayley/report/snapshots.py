@@ -32,7 +32,16 @@ _GAP = 1.12  # width of a panel per width of its picture
 _LEFT, _RIGHT, _BOTTOM, _TOP, _LOWEST, _HIGHEST = 0.42, 0.85, 0.4, 0.32, 1.2, 3.4
 
 
-def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -> Figure:
+def deformed(rest: Any) -> Figure:
+    """An equilibrium in space, as snapshots draws it, over the reference as gray lines.
+
+    Args:
+        rest: an Equilibrium.
+    """
+    return snapshots(rest.frame, reference=True)
+
+
+def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None, *, reference: bool = False) -> Figure:
     """Rods in space at some times, colored by the magnitude of the moment ‖Σ‖ [N m] in them; bodies as boxes.
 
     All panels have one scale, the same along all axes, and are seen along parallel lines from the same side. On the
@@ -42,6 +51,7 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -
         run: a Trajectory.
         rod: a rod, its name, or a list of them; all rods, bodies and joints by default.
         times: [s], of which the nearest saved ones are drawn; by default four of equal distance.
+        reference: draw the reference of the rods, too, and no times.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), Figure 4.
     """
@@ -58,7 +68,8 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -
         positions.append(shown["position"].values)
         moments.append(np.linalg.norm(shown["moment"].values, axis=-1))
     points = [position.reshape(-1, 3) for position in positions] + [shape.points for shape in shapes]
-    room = _Room.around(np.concatenate(points))
+    before = [own.positions for own in run.model.rods] if reference else []
+    room = _Room.around(np.concatenate(points + before))
     held = _held(run.model, chosen)
     top = max((float(moment.max()) for moment in moments), default=0.0)
     scale = Normalize(0.0, top if top > 0.0 else 1.0)
@@ -68,7 +79,9 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -
         for k, frame in enumerate(frames):
             axes = figure.add_axes(plan.panel(k))
             room.draw(axes, labeled=k == 0, margin=0.5 * (plan.width / plan.inches - room.extent[0]))
-            axes.set_title(f"$t$ = {time[frame]:.3g} s", loc="center")
+            axes.set_title("" if reference else f"$t$ = {time[frame]:.3g} s", loc="center")
+            for line in before:
+                axes.plot(*_seen(line).T, color=MUTED, linewidth=1.2, linestyle=(0, (5, 3)), label="reference")
             for position, moment, nodes in zip(positions, moments, held, strict=True):
                 _draw(axes, position[k], moment[k], scale, room.low[2])
                 axes.plot(*_seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)

@@ -10,7 +10,7 @@ from cayley.discrete import rules
 from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.model.loads import Gravity
-from cayley.statics.free import free_motions, tell
+from cayley.statics.free import free_motions, simplified, tell
 from cayley.statics.newton import Solution, solve
 from cayley.statics.result import Equilibrium
 from cayley.steppers.still import Still
@@ -141,7 +141,7 @@ def _number(name: str, value: Any) -> float:
 
 def _failure(model: Model, still: Still, solution: Solution, inertia: float) -> str:
     """One line on a search that failed; the system is where it began."""
-    motions = free_motions(still, inertia)
+    motions = simplified(free_motions(still, inertia))
     force = still.force()
     pushed = [m for m in motions if abs(m @ force) > 1e-6 * np.abs(m).max() * np.abs(force).max()]
     if pushed:

@@ -20,6 +20,9 @@ from cayley.system.system import State, System
 if TYPE_CHECKING:
     import xarray as xr
 
+SYMMETRIC = 1e-12
+"""Largest difference of a stiffness from its transpose that is rounding, relative to its largest entry."""
+
 
 class Equilibrium:
     """An equilibrium of a model: as one frame of a run, without the time.
@@ -118,8 +121,18 @@ class Equilibrium:
 
     @functools.cached_property
     def unstable(self) -> int:
-        """Number of independent motions that lower the energy: 0 where the equilibrium is stable (or indifferent)."""
+        """Number of independent motions that lower the energy: 0 where the equilibrium is stable (or indifferent).
+
+        Where loads are not conservative, those along which the symmetric part of the stiffness is negative: without any
+        it is stable, with some it may be or not.
+        """
         return self.still.unstable(inertia=CLEAR * self.inertia)
+
+    @functools.cached_property
+    def conservative(self) -> bool:
+        """Whether the stiffness is symmetric, as where all loads have an energy."""
+        stiffness = self.still.matrix(0)
+        return float(abs(stiffness - stiffness.T).max()) <= SYMMETRIC * float(abs(stiffness).max())
 
     @property
     def stable(self) -> bool:
@@ -140,6 +153,8 @@ class Equilibrium:
         loads = f" in {self.load_steps} load steps" if self.load_steps > 1 else ""
         free = f", free to move: {'; '.join(self.free_motions)}" if self.free_motions else ""
         kind = "stable" if self.stable else f"unstable in {self.unstable} motion{'s' * (self.unstable > 1)}"
+        if not self.stable and not self.conservative:
+            kind = "stability open under loads without an energy (see cy.modes)"
         return (
             f"<Equilibrium: {kind}, {self.iterations} corrections{loads} by {self.solution.how}, "
             f"largest force left {self.residual:.1e}{free}>"

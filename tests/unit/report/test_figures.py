@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 
+import cayley as cy
 from cayley.report import figures
 from cayley.report.snapshots import nearest_frames
 
@@ -41,6 +42,22 @@ def test_resultants_as_impulses(run):
 def test_default_nodes():
     assert figures.default_nodes(11) == (0, 5, 11)
     assert figures.default_nodes(1) == (0, 1)
+
+
+def test_deformed():
+    """One panel without a time: the reference as lines over which the rods are drawn."""
+    material = cy.Material(density=1000.0, youngs_modulus=1e7, poisson_ratio=0.3)
+    rod = cy.Rod(cy.Section.circle(0.01, material), length=1.0, elements=4, direction=(1, 0, 0))
+    gravity = cy.loads.gravity((0, 0, -9.81))
+    rest = cy.equilibrium(cy.Model(rod, supports=[cy.supports.clamp(rod.start)], loads=[gravity]))
+    panel, bar = figures.deformed(rest).axes
+    assert panel.get_title() == ""
+    reference = lines(panel)["reference"]
+    np.testing.assert_allclose(np.diff(reference, 2, axis=0), 0.0, atol=1e-12)  # straight, of equal elements
+    assert len(reference) == 5
+    colored = [c for c in panel.collections if c.get_array() is not None]
+    assert colored[0].get_array().max() == pytest.approx(np.linalg.norm(rest[rod].moment.values[0]), rel=0.1)
+    assert bar.get_ylabel() == "moment ‖Σ‖ [N m]"
 
 
 def test_snapshots(run):
