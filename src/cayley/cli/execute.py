@@ -13,6 +13,7 @@ from cayley.cli.scenario import Scenario, load
 from cayley.cli.screen import Progress, conservation_table
 
 DONE, WRONG_INPUT, STOPPED = 0, 2, 3
+STORE, SCENARIO, REPORT = "run.zarr", "scenario.toml", "report.html"  # in the folder of a run
 
 
 def execute(source: str, *, out: Path | None, report: bool, quiet: bool) -> int:
@@ -30,18 +31,18 @@ def execute(source: str, *, out: Path | None, report: bool, quiet: bool) -> int:
     try:
         scenario = load(source)
         folder = Path("runs") / scenario.name if out is None else out
-        store = folder / "run.zarr"
+        store = folder / STORE
         folder.mkdir(parents=True, exist_ok=True)
         run = _simulated(scenario, store, console)
         run.save(store, overwrite=True)
-        (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
+        (folder / SCENARIO).write_text(scenario.text, encoding="utf-8")
         if scenario.run.accuracy is not None:
             console.print(run.why, soft_wrap=True)
         if not quiet:
             console.print(conservation_table(run))
         console.print(f"Results: {store}", soft_wrap=True)
         if report:
-            _reported(run, scenario, folder / "report.html", console)
+            _reported(run, scenario, folder / REPORT, console)
     except ScenarioError as error:
         return told(error.problems, WRONG_INPUT)
     except OSError as error:  # of the folder or the disk
@@ -78,17 +79,8 @@ def _simulated(scenario: Scenario, store: Path, console: Console) -> Any:
 def _reported(run: Any, scenario: Scenario, path: Path, console: Console) -> None:
     from cayley.report import write_report
 
-    wanted, notes = scenario.tables.report, scenario.tables.notes
     with console.status("Writing the report"):
-        write_report(
-            run,
-            path,
-            title=scenario.title,
-            scenario_text=scenario.text,
-            notes=() if notes is None else (notes.title, *notes.paragraphs),
-            times=wanted.snapshots if wanted else None,
-            nodes=wanted.nodes if wanted else None,
-        )
+        write_report(run, path, **scenario.report_options())
     console.print(f"Report:  {path}", soft_wrap=True)
 
 

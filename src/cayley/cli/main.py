@@ -78,6 +78,40 @@ def advise(
     raise typer.Exit(advise(scenario, accuracy=accuracy))
 
 
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with run.zarr, or such a store itself.")]
+
+
+@app.command()
+def report(
+    folder: Folder,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="The report; DIR/report.html if not given.", show_default=False)
+    ] = None,
+) -> None:
+    """Write the HTML report of a run that is on the disk: one file that needs no network.
+
+    Exit codes: 0 done, 2 something is wrong with the input.
+    """
+    from cayley.cli.look import write
+
+    raise typer.Exit(write(folder, out))
+
+
+@app.command()
+def view(
+    folder: Folder,
+    port: Annotated[int, typer.Option(help="Of the server on this machine; 0: any that is free.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
+) -> None:
+    """Watch a run in a browser, also one in progress: a server on this machine alone follows its store.
+
+    Exit codes: 0 ended by Ctrl+C, 2 something is wrong with the input.
+    """
+    from cayley.cli.look import view
+
+    raise typer.Exit(view(folder, port=port, browser=browser))
+
+
 @app.command()
 def cite() -> None:
     """Print how to cite the library and the paper it began with."""
