@@ -85,7 +85,8 @@ Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with run.z
 def report(
     folder: Folder,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE.html", help="The report; DIR/report.html if not given.", show_default=False)
+        Path | None,
+        typer.Option(metavar="FILE.html", help="The report; DIR/report.html if not given.", show_default=False),
     ] = None,
 ) -> None:
     """Write the HTML report of a run that is on the disk: one file that needs no network.

@@ -1,4 +1,4 @@
-"""The report: one HTML file that plays the run and shows what it conserved, its scenario and versions; it loads nothing."""
+"""The report: one HTML file that plays the run, says what it conserved and what it is of; it loads nothing."""
 
 from __future__ import annotations
 
@@ -124,7 +124,9 @@ def _resultants(run: Any, name: str, nodes: Sequence[int] | None, which: str) ->
         "the moment times the time step."
     )
     first = _figure(figures.resultants(run, name, nodes), f"Stress resultants{which} over the time.", caption)
-    second = _figure(figures.resultants(run, name, nodes, impulse=True), f"Discrete momenta{which} over the time.", impulses)
+    second = _figure(
+        figures.resultants(run, name, nodes, impulse=True), f"Discrete momenta{which} over the time.", impulses
+    )
     return first + _folded(f"Stress resultants{which} as momenta over one step", second)
 
 

@@ -1,4 +1,4 @@
-"""The surface of a rod from the outlines of its cross-sections: normals around it, and triangles that close its ends."""
+"""The surface of a rod from the outlines of its cross-sections: normals around it, triangles that close its ends."""
 
 from __future__ import annotations
 

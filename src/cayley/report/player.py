@@ -48,7 +48,9 @@ def page(scenes: Sequence[Scene], *, title: str, lead: str = "", below: str = ""
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n<style>\n{styles}</style>\n</head>\n<body>\n'
         f'<header><h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p></header>\n'
-        f"{asset('player.html')}{below}\n" + "\n".join(data) + f"\n<script>{asset('vendor/uPlot.iife.min.js')}</script>\n"
+        f"{asset('player.html')}{below}\n"
+        + "\n".join(data)
+        + f"\n<script>{asset('vendor/uPlot.iife.min.js')}</script>\n"
         f'<script>\n"use strict";\n(() => {{\n{own}}})();\n</script>\n</body>\n</html>\n'
     )
 

@@ -58,7 +58,9 @@ class Source:
         return tuple((one.st_mtime_ns, one.st_ino) for one in found)
 
 
-def server(store: Path, *, port: int = 0, title: str = "A run", scenario_text: str | None = None) -> ThreadingHTTPServer:
+def server(
+    store: Path, *, port: int = 0, title: str = "A run", scenario_text: str | None = None
+) -> ThreadingHTTPServer:
     """A server of the page of a run, on this machine only; call its `serve_forever`.
 
     Args:

@@ -79,7 +79,9 @@ def _parts(run: Any, frames: slice) -> Iterator[Strand | Block]:
 
 def _strand(run: Any, rod: Rod, name: str, data: Any, frames: slice) -> Strand:
     nodes, s = run._parts[name], data["s"].values
-    quantities = {key: Quantity(label=label, unit=unit, values=_at_nodes(data[key])) for key, (label, unit) in _VECTORS.items()}
+    quantities = {
+        key: Quantity(label=label, unit=unit, values=_at_nodes(data[key])) for key, (label, unit) in _VECTORS.items()
+    }
     for rate, (key, label, unit) in _RATES.items():
         values = np.linalg.norm(data[rate].values, axis=-1)
         quantities[key] = Quantity(label=label, unit=unit, values=values)
@@ -107,10 +109,11 @@ def _at_nodes(values: Any) -> Array:
 
 def node_outlines(rod: Rod, degree: int = 1) -> Array:
     """Outlines of the cross-sections [m], shape (1, k, 2) if they are the same everywhere, else at each node."""
-    if not isinstance(rod.section, Stations):
-        return rod.section.outline[None]
+    section = rod.stations
+    if not isinstance(section, Stations):
+        return section.outline[None]
     places = np.linspace(0.0, 1.0, degree + 1)
-    each = rod.section.at("outline", places)
+    each = section.at("outline", places)
     starts, stops = each[:, :-1], each[:, 1:]
     inner = starts.reshape(-1, *each.shape[2:])
     joined = np.concatenate([inner, stops[-1:, -1]])

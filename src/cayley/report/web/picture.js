@@ -241,16 +241,22 @@ class Picture {
     this.write(pen, b, (v) => this.point(near(a), v, floor));
     const [u, v] = this.corner();
     this.write(pen, c, (height) => this.point(u, v, height));
-    if (this.portsShown) {
-      pen.fillStyle = "#1a1a1a";
-      pen.textAlign = "left";
-      this.scene.parts.forEach((part, i) => {
-        for (const [name, node, shift] of this.ports(part)) {
-          const [x, y] = this.onScreen(this.locate({ part: i, node, shift }, this.poses));
-          pen.fillText(`${part.name}.${name}`, x + 8, y - 8);
-        }
-      });
-    }
+    if (this.portsShown) this.namePorts(pen);
+  }
+
+  /** Names at the ports, below each other where several are at one place. */
+  namePorts(pen) {
+    const taken = [];
+    pen.fillStyle = "#1a1a1a";
+    pen.textAlign = "left";
+    this.scene.parts.forEach((part, i) => {
+      for (const [name, node, shift] of this.ports(part)) {
+        let [x, y] = this.onScreen(this.locate({ part: i, node, shift }, this.poses));
+        while (taken.some(([u, v]) => Math.abs(u - x) < 60 && Math.abs(v - y) < 12)) y += 12;
+        taken.push([x, y]);
+        pen.fillText(`${part.name}.${name}`, x + 8, y - 8);
+      }
+    });
   }
 
   write(pen, axis, at) {

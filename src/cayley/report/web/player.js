@@ -174,7 +174,7 @@ class Player {
     if (!this.selected) return;
     const part = this.scene.parts[this.selected.part];
     const one = this.chosen();
-    const names = one.axes ? [...one.axes, "length"] : [one.label];
+    const names = one.axes ? [...one.axes, `‖${one.label}‖`] : [one.label];
     const most = this.scene.largest({ key: one.key, component: -1 }) * 1.05 || 1;
     const about = { unit: one.unit, names, shade: this.scene.shade };
     this.along = new Plot(

@@ -1,7 +1,7 @@
 // Plots by uPlot: over the time, linked to each other and to the animation, and along a rod.
 
 const LINE_COLORS = ["#0072B2", "#D55E00", "#009E73"];
-const WHOLE = ["total", "defect", "length"]; // lines that sum up the others are black
+const WHOLE = /^(total|defect|‖.*‖)$/; // lines that sum up the others are black
 const PLOT_HEIGHT = 190;
 
 /** A plot in an element of its own, which it fills. */
@@ -40,8 +40,8 @@ class Plot {
         { ...axis, size: 58, label: unit === "1" ? "" : `[${unit}]`, values: ticksWithStep },
       ],
       series: [
-        { label: across, value: number(6) },
-        ...names.map((name, k) => ({ label: name, stroke: WHOLE.includes(name) ? "#1a1a1a" : LINE_COLORS[k], width: 1.4, value: number(6), points: { show: false } })),
+        { label: across.startsWith("time") ? "t" : "s", value: number(6) },
+        ...names.map((name, k) => ({ label: name, stroke: WHOLE.test(name) ? "#1a1a1a" : LINE_COLORS[k], width: 1.4, value: number(6), points: { show: false } })),
       ],
       hooks: {
         drawClear: [(plot) => shade && fillBetween(plot, shade)],
@@ -73,8 +73,9 @@ class Plot {
 
   set(data, keepZoom = false) {
     this.data = data;
-    this.plot.setData(data, !keepZoom);
-    if (keepZoom) this.plot.redraw();
+    const ready = this.plot.scales.x.min !== null && this.plot.scales.x.min !== undefined;
+    this.plot.setData(data, !(keepZoom && ready));
+    if (keepZoom && ready) this.plot.redraw();
     this.mark(this.at);
   }
 
