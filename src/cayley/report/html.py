@@ -60,6 +60,8 @@ def write_report(
 
 def lead(run: Any) -> str:
     """Length, step and rule of a run, in one line."""
+    if len(run.time) == 1:
+        return f"One frame, at t = {run.time[0]:g} s."
     span = f"{run.time[-1] - run.time[0]:g} s in {run.steps} steps of {run.dt:.6g} s with the rule {run.rule}"
     return f"{span}, {len(run.time)} frames saved."
 
@@ -108,6 +110,8 @@ def _figures(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | Non
         caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
     yield _figure(figures.snapshots(run, times=times), "The model at some times.", caption)
     names = [run.model.name_of(rod) for rod in run.model.rods]
+    if len(run.time) == 1:  # an equilibrium
+        return
     for rod, name in list(zip(run.model.rods, names, strict=True))[:_MOST_RODS]:
         chosen = [k for k in nodes or () if -rod.elements - 1 <= k <= rod.elements] or None
         yield _resultants(run, name, chosen, f" of {name}" if len(names) > 1 else "")

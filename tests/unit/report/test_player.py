@@ -34,8 +34,9 @@ def show(browser):
     """Open an address; at the end nothing may have been said in the console, and nothing asked from elsewhere."""
     said, pages = [], []
 
-    def open_page(address):
+    def open_page(address, script=""):
         page = browser.new_page(viewport={"width": 1200, "height": 900})
+        page.add_init_script(script)
         page.on("console", lambda message: said.append(message.text))
         page.on("pageerror", lambda error: said.append(str(error)))
         page.on("request", lambda request: said.append(request.url) if foreign(request.url) else None)
@@ -193,6 +194,15 @@ def test_choosing_a_node(show, report, crane):
     page.mouse.click(box["x"] + x, box["y"] + y)
     assert page.evaluate("player.selected") == {"part": 0, "node": 4}
     assert page.input_value("#part") == "0"
+
+
+def test_without_webgl_there_are_the_plots(show, report):
+    """The page says what is missing, and goes on."""
+    page = show(report, "HTMLCanvasElement.prototype.getContext = ((own) => function (kind, options) {"
+                "return kind === 'webgl2' ? null : own.call(this, kind, options); })(HTMLCanvasElement.prototype.getContext)")
+    assert page.inner_text("#trouble") == "this browser has no WebGL 2, so the animation can't be shown."
+    page.mouse.click(*inside(page, "#over .u-over", 0.5))
+    assert clock(page) == pytest.approx(0.5, abs=0.01)
 
 
 def test_scenes(show, tmp_path):

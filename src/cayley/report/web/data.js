@@ -86,12 +86,12 @@ class Scene {
     }
   }
 
-  /** Largest absolute value of a color over all parts and frames. */
-  largest(color) {
-    const key = `${color.key}/${color.component}`;
+  /** Largest absolute value of a color over all frames of all parts, or of one of them. */
+  largest(color, only = null) {
+    const key = `${color.key}/${color.component}/${only ? this.parts.indexOf(only) : ""}`;
     const [known, from] = this.ranges.get(key) || [0, 0];
     let found = known;
-    for (const part of this.parts) {
+    for (const part of only ? [only] : this.parts) {
       const one = part.quantities.find((other) => other.key === color.key);
       if (!one) continue;
       for (let k = from; k < this.frames; k++) {

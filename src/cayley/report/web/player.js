@@ -30,22 +30,32 @@ class Player {
     this.scene = scene;
     this.number = number;
     element("note").textContent = scene.note;
+    element("player").classList.toggle("still", scene.frames === 1 && !PAGE.live);
     const rods = scene.parts.filter((part) => part.kind === "strand");
     element("rods").hidden = !rods.some((part) => part.quantities.length);
     document.querySelector(".halves > div").hidden = !scene.parts.length;
     document.querySelector(".halves").classList.toggle("one", element("rods").hidden || !scene.parts.length);
     if (scene.parts.length) {
-      if (!this.picture) this.makePicture();
-      this.picture.show(scene);
+      this.makePicture();
+      if (this.picture) this.picture.show(scene);
     }
     this.fillControls(rods);
     this.buildPlots();
     this.go(scene.time.data[0]);
   }
 
+  /** Without WebGL there are the plots alone. */
   makePicture() {
     const canvas = element("picture");
-    this.picture = new Picture(canvas, element("overlay"), MAPS);
+    if (this.picture || canvas.hidden) return;
+    try {
+      this.picture = new Picture(canvas, element("overlay"), MAPS);
+    } catch (error) {
+      canvas.hidden = true;
+      element("trouble").hidden = false;
+      element("trouble").textContent = `${error.message}.`;
+      return;
+    }
     const choose = (x, y) => this.choose(this.picture.pick(x, y));
     listen(canvas, () => this.picture.camera, () => this.draw(), choose);
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -74,6 +84,7 @@ class Player {
     on("node", "input", () => this.choose({ part: this.selected.part, node: Number(element("node").value) }));
     for (const button of document.querySelectorAll("[data-view]")) {
       button.addEventListener("click", () => {
+        if (!this.picture) return;
         this.picture.camera.look(button.dataset.view);
         this.picture.fit();
         this.draw();
@@ -174,8 +185,8 @@ class Player {
     if (!this.selected) return;
     const part = this.scene.parts[this.selected.part];
     const one = this.chosen();
-    const names = one.axes ? [...one.axes, `‖${one.label}‖`] : [one.label];
-    const most = this.scene.largest({ key: one.key, component: -1 }) * 1.05 || 1;
+    const names = one.axes ? [...one.axes, "‖·‖"] : [one.label];
+    const most = this.scene.largest({ key: one.key, component: -1 }, part) * 1.05 || 1;
     const about = { unit: one.unit, names, shade: this.scene.shade };
     this.along = new Plot(
       element("along"),

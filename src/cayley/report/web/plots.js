@@ -1,7 +1,7 @@
 // Plots by uPlot: over the time, linked to each other and to the animation, and along a rod.
 
 const LINE_COLORS = ["#0072B2", "#D55E00", "#009E73"];
-const WHOLE = /^(total|defect|‖.*‖)$/; // lines that sum up the others are black
+const WHOLE = /^(total|defect|‖·‖)$/; // lines that sum up the others are black
 const PLOT_HEIGHT = 190;
 
 /** A plot in an element of its own, which it fills. */
