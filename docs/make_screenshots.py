@@ -1,4 +1,4 @@
-"""Screenshots of a report for the documentation: python docs/make_screenshots.py (a minute; needs chromium, playwright)."""
+"""Screenshots of a report: python docs/make_screenshots.py (a minute; needs chromium and playwright)."""
 
 import shutil
 import tempfile

@@ -1,9 +1,8 @@
-"""`run.plot` and `run.animate`: figures of a run for papers, and films."""
+"""`run.plot`: figures of a run for papers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -78,9 +77,3 @@ class Plots:
             impulse: the discrete momenta over one step instead.
         """
         return figures.resultants(self._run, part, nodes, impulse=impulse)
-
-    def film(self, path: str | Path, **options: Any) -> Path:
-        """A film, see `run.animate`."""
-        from cayley.report.film import film
-
-        return film(self._run, path, **options)

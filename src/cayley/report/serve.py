@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import fields, replace
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
+
 from cayley.report.html import lead, standing
 from cayley.report.pack import chunk
 from cayley.report.player import page
 from cayley.report.scene import Scene
 from cayley.report.stage import default_stride, scene
+from cayley.results.journal import journals
+from cayley.results.observe import Observations, observe
 from cayley.results.trajectory import Trajectory
 
 _MOST_FRAMES = 400  # in one answer: the page asks again until there are no more
@@ -44,18 +49,35 @@ class Source:
             signature = self._signature()
             if signature != self._seen:
                 try:
-                    self.run = Trajectory.open(self.store)
+                    self.run = grown(self.run, Trajectory.open(self.store))
                     self._scene = scene(self.run, stride=self.stride)
                     self._seen = signature
                 except (OSError, ValueError):  # it is being written; the next question comes in a second
                     pass
             return self._scene
 
-    def _signature(self) -> tuple[tuple[int, int], ...]:
+    def _signature(self) -> tuple[tuple[int, int, int], ...]:
         """What changes when the store does."""
-        files = [self.store / "zarr.json", self.store / "time" / "zarr.json"]
-        found = [file.stat() for file in files if file.exists()]
-        return tuple((one.st_mtime_ns, one.st_ino) for one in found)
+        described = [self.store.joinpath(*group, "zarr.json") for group in ((), ("time",), ("checkpoint",))]
+        found = [file.stat() for file in (*described, *journals(self.store)) if file.exists()]
+        return tuple((one.st_mtime_ns, one.st_ino, one.st_size) for one in found)
+
+
+def grown(before: Trajectory, now: Trajectory) -> Trajectory:
+    """A run in progress, opened again: only its new frames are observed, and the system is not made again."""
+    count, times = len(before.time), now.time
+    if "observed" in vars(now) or len(times) < count or not np.array_equal(times[:count], before.time):
+        return now
+    more = observe(before.system, now.frames.part(slice(count, None)))
+    joined = {
+        one.name: np.concatenate([getattr(before.observed, one.name), getattr(more, one.name)])
+        for one in fields(Observations)
+        if one.name != "held" and getattr(more, one.name) is not None
+    }
+    seen = replace(before.observed, **joined)
+    return Trajectory(
+        frames=now.frames, info=now.info, system=before.system, observed=seen, model=now.model, parts=now._parts
+    )
 
 
 def server(

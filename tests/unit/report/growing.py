@@ -5,22 +5,12 @@ from contextlib import contextmanager
 
 from cayley import Trajectory
 from cayley.report.serve import server
-from cayley.results.frames import Frames
 from cayley.results.observe import observe
 
 
 def first_frames(run, count):
     """The run as it was when it had saved that many frames."""
-    frames = run.frames
-    cut = Frames(
-        times=frames.times[:count],
-        steps=frames.steps[:count],
-        values=frames.values[:count],
-        momenta=frames.momenta[:count],
-        origin=frames.origin,
-        h=frames.h,
-        work=frames.work[:count],
-    )
+    cut = run.frames.part(slice(count))
     observed = observe(run.system, cut)
     return Trajectory(
         frames=cut, info=run.info, outline=run.outline, observed=observed, model=run.model, parts=run._parts

@@ -9,6 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
+from cayley import Trajectory
+from cayley.report import write_report
 from cayley.report.player import page as player_page
 from cayley.report.scene import Quantity, Scene, Strand
 from unit.report.growing import first_frames, serving
@@ -19,6 +21,13 @@ if CHROMIUM is None:
 playwright = pytest.importorskip("playwright.sync_api", reason="the driver playwright is not installed")
 
 SOFTWARE = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # WebGL without a graphics card
+
+NO_WEBGL = """
+const own = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, options) {
+  return kind === "webgl2" ? null : own.call(this, kind, options);
+};
+"""
 
 
 @pytest.fixture(scope="module")
@@ -198,11 +207,19 @@ def test_choosing_a_node(show, report, crane):
 
 def test_without_webgl_there_are_the_plots(show, report):
     """The page says what is missing, and goes on."""
-    page = show(report, "HTMLCanvasElement.prototype.getContext = ((own) => function (kind, options) {"
-                "return kind === 'webgl2' ? null : own.call(this, kind, options); })(HTMLCanvasElement.prototype.getContext)")
+    page = show(report, NO_WEBGL)
     assert page.inner_text("#trouble") == "this browser has no WebGL 2, so the animation can't be shown."
     page.mouse.click(*inside(page, "#over .u-over", 0.5))
     assert clock(page) == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_run_without_parts(show, crane, tmp_path):
+    """A Lagrangian of one's own has graphs."""
+    own = Trajectory(frames=crane.frames, info=crane.info, outline=crane.outline, observed=crane.observed)
+    page = show(write_report(own, tmp_path / "own.html").as_uri())
+    assert page.locator("#graphs .plot").count() == 4
+    assert page.locator("#picture").is_hidden()
+    assert page.locator("#along").is_hidden()
 
 
 def test_scenes(show, tmp_path):

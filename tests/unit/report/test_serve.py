@@ -4,8 +4,10 @@ import urllib.error
 import urllib.request
 
 import pytest
+from numpy.testing import assert_array_equal
 
-from cayley.report.serve import server
+import cayley as cy
+from cayley.report.serve import Source, server
 from unit.report.growing import first_frames, serving
 
 
@@ -44,6 +46,23 @@ def test_follows_a_run_in_progress(crane, tmp_path):
         first_frames(crane, 35).save(store, overwrite=True)
         assert ask(f"{address}frames?from=20")[0] == 200
         assert ask(f"{address}frames?from=35")[0] == 204
+
+
+def test_follows_while_the_run_writes(crane, tmp_path):
+    """Frames come out while simulate goes on, and at the end all of them, with the numbers of the run."""
+    store, seen, sources = tmp_path / "run.zarr", [], []
+
+    def look(fraction, time):
+        if fraction > 0.0:
+            sources.append(sources[0] if sources else Source(store))
+            seen.append(len(sources[0].scene().time))
+
+    run = cy.simulate(crane.model, t_end=1.0, save_every=0.02, balance=True, store=store, progress=look)
+    assert 1 < seen[0] < seen[-1]
+    assert seen == sorted(seen)
+    last = sources[0].scene()
+    assert_array_equal(last.time, run.time)
+    assert_array_equal(last.parts[0].quantities["moment"].values, run["mast"].moment)
 
 
 def test_nothing_there(tmp_path):
