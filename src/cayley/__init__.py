@@ -36,6 +36,7 @@ _HOMES = {
     "Interrupted": "simulation",
     "WriteError": "simulation",
     "DamageWarning": "results.known",
+    "export": "results.export",
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
@@ -109,6 +110,7 @@ if TYPE_CHECKING:
     from cayley.model import loads as loads
     from cayley.model import springs as springs
     from cayley.model import supports as supports
+    from cayley.results.export import export as export
     from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory
     from cayley.simulation import Interrupted as Interrupted

@@ -13,6 +13,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 
+from cayley.model import Model
 from cayley.report.html import lead, standing
 from cayley.report.pack import chunk
 from cayley.report.player import page
@@ -29,17 +30,17 @@ _HOST = "127.0.0.1"
 class Source:
     """A store that may grow, and the scene of what it holds."""
 
-    def __init__(self, store: Path) -> None:
-        """Open the store.
+    def __init__(self, store: Path, model: Model | None = None) -> None:
+        """Open the store, with the model that ran if it is at hand.
 
         Raises:
             FileNotFoundError: if there is nothing.
             ValueError: if it is no run.
         """
-        self.store = store
+        self.store, self.model = store, model
         self._lock = threading.Lock()
         self._seen = self._signature()
-        self.run = Trajectory.open(store)
+        self.run = Trajectory.open(store, model=model)
         self.stride = default_stride(self.run)
         self._scene = scene(self.run, stride=self.stride)
 
@@ -49,7 +50,7 @@ class Source:
             signature = self._signature()
             if signature != self._seen:
                 try:
-                    self.run = grown(self.run, Trajectory.open(self.store))
+                    self.run = grown(self.run, Trajectory.open(self.store, model=self.model))
                     self._scene = scene(self.run, stride=self.stride)
                     self._seen = signature
                 except (OSError, ValueError):  # it is being written; the next question comes in a second
@@ -81,7 +82,12 @@ def grown(before: Trajectory, now: Trajectory) -> Trajectory:
 
 
 def server(
-    store: Path, *, port: int = 0, title: str = "A run", scenario_text: str | None = None
+    store: Path,
+    *,
+    port: int = 0,
+    title: str = "A run",
+    scenario_text: str | None = None,
+    model: Model | None = None,
 ) -> ThreadingHTTPServer:
     """A server of the page of a run, on this machine only; call its `serve_forever`.
 
@@ -90,13 +96,14 @@ def server(
         port: 0: any that is free.
         title: of the page.
         scenario_text: the scenario file, to be shown.
+        model: the model that ran, if it is at hand: loads that are functions of time are not whole in a store.
 
     Raises:
         FileNotFoundError: if there is no store.
         ValueError: if it is no run.
         OSError: if the port is taken.
     """
-    source = Source(store)
+    source = Source(store, model)
 
     def text() -> str:
         below = "\n".join(standing(source.run, scenario_text=scenario_text))

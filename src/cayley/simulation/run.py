@@ -32,6 +32,7 @@ def run(
     *,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
+    watch: Callable[[System, State], None] | None = None,
     model: Model | None = None,
     parts: Mapping[str, slice] | None = None,
     resumed: bool = False,
@@ -46,6 +47,7 @@ def run(
         saves: when and where frames are saved.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
+        watch: called with the system and its state then.
         model: the model that the system is of, if any.
         parts: nodes of its rods by name.
         resumed: whether the store has the frames up to the start already.
@@ -74,7 +76,7 @@ def run(
     record = Record(begin, store, known=resumed)
     started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
     try:
-        result = _through(plan, system, begin, record, progress)
+        result = _through(plan, system, begin, record, progress, watch)
     except KeyboardInterrupt:
         stopped = True
     info = {"wall_time": clock.perf_counter() - started, **info}
@@ -99,6 +101,7 @@ def _through(
     begin: State,
     record: Record,
     progress: Callable[[float, float], None] | None,
+    watch: Callable[[System, State], None] | None,
 ) -> Result:
     """Run all strides of a plan, in calls of bounded time."""
     stepper, result = stepper_of(system), Result(Outcome.FINISHED, begin, begin.step)
@@ -113,6 +116,8 @@ def _through(
             done += count
             if progress is not None:
                 progress((result.state.step - begin.step) / plan.steps, result.state.time)
+            if watch is not None:
+                watch(system, result.state)
     return result
 
 
