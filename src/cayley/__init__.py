@@ -37,6 +37,7 @@ _HOMES = {
     "WriteError": "simulation",
     "DamageWarning": "results.known",
     "export": "results.export",
+    "cite": "report.cite",
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
@@ -110,6 +111,7 @@ if TYPE_CHECKING:
     from cayley.model import loads as loads
     from cayley.model import springs as springs
     from cayley.model import supports as supports
+    from cayley.report.cite import cite as cite
     from cayley.results.export import export as export
     from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory

@@ -218,9 +218,46 @@ def view(
 
 
 @app.command()
-def cite() -> None:
-    """Print how to cite the library and the paper it began with."""
-    from cayley.report.cite import citation
+def sweep(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=V1,V2,...", help="Values of a key; given several times, all combinations."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Where results go; runs/NAME_sweep if not given.", show_default=False),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes; one for each processor.", show_default=False)
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario with many values of some of its keys: a table of outcomes and a store for each.
 
-    for reference in citation():
-        typer.echo(reference)
+    Exit codes: 0 done, 2 something is wrong with the input, 3 a run stopped on the way.
+
+    Example: cayley sweep rubber_pendulum --set material.rubber.youngs_modulus=1e6,5e6 --set run.t_end=1
+    """
+    from cayley.cli.execute import Wanted
+    from cayley.cli.sweep import sweep
+
+    raise typer.Exit(sweep(scenario, settings or [], out=out, workers=workers, wanted=Wanted(quiet=quiet)))
+
+
+@app.command()
+def cite(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(metavar="[DIR]", help="A run: BibTeX of the methods it used.", show_default=False),
+    ] = None,
+) -> None:
+    """Print how to cite the library and the paper it began with; of a run, BibTeX of the methods it used.
+
+    Example: cayley cite runs/leitz2014 > methods.bib
+    """
+    from cayley.cli.files import cite
+
+    raise typer.Exit(cite(folder))
