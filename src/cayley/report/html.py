@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import cayley
 from cayley.report import figures
-from cayley.report.cite import citation
+from cayley.report.cite import citation, cite
 from cayley.report.conserved import conservation
 from cayley.report.player import page
 from cayley.report.stage import scene
@@ -69,24 +69,26 @@ def lead(run: Any) -> str:
 def standing(run: Any, *, scenario_text: str | None = None, notes: Sequence[str] = ()) -> Iterable[str]:
     """Sections that do not depend on the frames: notes, model, scenario, how to cite, versions."""
     if notes:
-        yield _section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))
+        yield section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))
     if run.model is not None:
-        yield _section("Model", _folded("Parts, supports, joints and loads", f"<pre>{escape(str(run.model))}</pre>"))
+        yield section("Model", folded("Parts, supports, joints and loads", f"<pre>{escape(str(run.model))}</pre>"))
     if scenario_text:
-        yield _section("Scenario", _folded("The file", f"<pre>{escape(scenario_text)}</pre>"))
-    yield _section("How to cite", "".join(f"<p>{escape(reference)}</p>" for reference in citation()))
-    yield f"<footer>{escape(_versions())}</footer>"
+        yield section("Scenario", folded("The file", f"<pre>{escape(scenario_text)}</pre>"))
+    cited = "".join(f"<p>{escape(reference)}</p>" for reference in citation())
+    yield section("How to cite", cited + folded("BibTeX of the methods of this run", f"<pre>{escape(cite(run))}</pre>"))
+    yield f"<footer>{escape(versions())}</footer>"
 
 
 def _measured(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
     """The table of conserved quantities, and figures for print."""
-    yield _section("Conservation", _conservation_table(run))
+    yield section("Conservation", _conservation_table(run))
     if run.model is not None:
         drawn = "\n".join(_figures(run, times, nodes))
-        yield _section("Figures for print", _folded("Snapshots and stress resultants", drawn))
+        yield section("Figures for print", folded("Snapshots and stress resultants", drawn))
 
 
-def _section(heading: str, body: str) -> str:
+def section(heading: str, body: str) -> str:
+    """A section with its heading."""
     return f"<section>\n<h2>{escape(heading)}</h2>\n{body}\n</section>"
 
 
@@ -108,7 +110,7 @@ def _figures(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | Non
     )
     if run.model.bodies or run.model.connections:
         caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
-    yield _figure(figures.snapshots(run, times=times), "The model at some times.", caption)
+    yield figure_html(figures.snapshots(run, times=times), "The model at some times.", caption)
     names = [run.model.name_of(rod) for rod in run.model.rods]
     if len(run.time) == 1:  # an equilibrium
         return
@@ -127,18 +129,20 @@ def _resultants(run: Any, name: str, nodes: Sequence[int] | None, which: str) ->
         f"The discrete momenta of one step of {run.dt:.6g} s, which the paper's Figure 5 seems to show: the force and "
         "the moment times the time step."
     )
-    first = _figure(figures.resultants(run, name, nodes), f"Stress resultants{which} over the time.", caption)
-    second = _figure(
+    first = figure_html(figures.resultants(run, name, nodes), f"Stress resultants{which} over the time.", caption)
+    second = figure_html(
         figures.resultants(run, name, nodes, impulse=True), f"Discrete momenta{which} over the time.", impulses
     )
-    return first + _folded(f"Stress resultants{which} as momenta over one step", second)
+    return first + folded(f"Stress resultants{which} as momenta over one step", second)
 
 
-def _folded(summary: str, body: str) -> str:
+def folded(summary: str, body: str) -> str:
+    """What is shown when its summary is clicked."""
     return f"<details><summary>{escape(summary)}</summary>{body}</details>"
 
 
-def _figure(figure: Figure, title: str, caption: str) -> str:
+def figure_html(figure: Figure, title: str, caption: str) -> str:
+    """A figure as a picture in the page, with its caption."""
     picture = io.BytesIO()
     with style():
         figure.savefig(picture, format="svg", metadata={"Date": None, "Creator": None})
@@ -147,7 +151,8 @@ def _figure(figure: Figure, title: str, caption: str) -> str:
     return f"<figure>{image}<figcaption><b>{escape(title)}</b> {escape(caption)}</figcaption></figure>"
 
 
-def _versions() -> str:
+def versions() -> str:
+    """Versions of the library, of those it uses, and the machine."""
     libraries = []
     for name in _LIBRARIES:
         try:

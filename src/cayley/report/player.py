@@ -16,7 +16,17 @@ from cayley.report.pack import chunk, described
 from cayley.report.scene import Scene
 
 _STYLES = ("vendor/uPlot.min.css", "page.css", "player.css")
-_SCRIPTS = ("linear.js", "data.js", "meshes.js", "paint.js", "camera.js", "picture.js", "plots.js", "player.js")
+_SCRIPTS = (
+    "linear.js",
+    "data.js",
+    "meshes.js",
+    "paint.js",
+    "camera.js",
+    "picture.js",
+    "plots.js",
+    "live.js",
+    "player.js",
+)
 _MAPS = {"size": "viridis", "signed": "coolwarm"}
 
 
@@ -50,7 +60,7 @@ def page(scenes: Sequence[Scene], *, title: str, lead: str = "", below: str = ""
         f'<header><h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p></header>\n'
         f"{asset('player.html')}{below}\n"
         + "\n".join(data)
-        + f"\n<script>{asset('vendor/uPlot.iife.min.js')}</script>\n"
+        + f"\n<script>/*\n{asset('vendor/uPlot.LICENSE')}*/\n{asset('vendor/uPlot.iife.min.js')}</script>\n"
         f'<script>\n"use strict";\n(() => {{\n{own}}})();\n</script>\n</body>\n</html>\n'
     )
 

@@ -28,13 +28,14 @@ _VECTORS = {  # of a rod: label and unit
 _RATES = {"velocity": ("speed", "speed", "m/s"), "angular_velocity": ("spin", "angular speed", "rad/s")}
 
 
-def scene(run: Any, *, stride: int | None = None, name: str = "") -> Scene:
+def scene(run: Any, *, stride: int | None = None, name: str = "", graphs: bool = True) -> Scene:
     """The scene of a run.
 
     Args:
         run: a Trajectory.
         stride: every which saved frame is shown; by default as many as fit into BYTES.
         name: of the scene.
+        graphs: whether energies and momenta are plotted.
     """
     every = default_stride(run) if stride is None else stride
     frames = slice(None, None, every)
@@ -47,10 +48,10 @@ def scene(run: Any, *, stride: int | None = None, name: str = "") -> Scene:
         parts=() if model is None else tuple(_parts(run, frames)),
         marks=() if model is None else tuple(_marks(run)),
         links=() if model is None else tuple(_links(run)),
-        graphs=tuple(_graphs(run, frames)),
+        graphs=tuple(_graphs(run, frames)) if graphs else (),
         up=(0, 0, 1) if model is None else upward(model),
         shade=(float(run.time[0]), float(run.time[window.frames][0])) if loaded else None,
-        note="" if every == 1 else f"Every {every}th of {len(run.time)} saved frames is shown.",
+        note="" if every == 1 else f"One in {every} of {len(run.time)} saved frames is shown.",
     )
 
 

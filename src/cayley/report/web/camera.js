@@ -67,7 +67,10 @@ class Camera {
   }
 }
 
-/** Move the camera that `camera()` returns by events of an element: drag to orbit, with the right button or shift to pan, wheel or two fingers to zoom. */
+/**
+ * Move the camera that `camera()` returns by events of an element: drag to orbit, with the right button or shift to pan,
+ * wheel or two fingers to zoom.
+ */
 function listen(element, camera, changed, clicked) {
   const fingers = new Map();
   let moved = 0;
@@ -99,9 +102,13 @@ function listen(element, camera, changed, clicked) {
       if (end === "pointerup" && moved < 4) clicked(event.offsetX, event.offsetY);
     });
   }
-  element.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    camera().zoom(Math.exp(0.0012 * event.deltaY * (event.deltaMode ? 30 : 1)));
-    changed();
-  }, { passive: false });
+  element.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      camera().zoom(Math.exp(0.0012 * event.deltaY * (event.deltaMode ? 30 : 1)));
+      changed();
+    },
+    { passive: false },
+  );
 }

@@ -54,7 +54,11 @@ class Scene {
 
   /** All channels, in the order of report/pack.py. */
   channels() {
-    const parts = this.parts.map((part) => [part.position, part.rotation, ...part.quantities.map((one) => one.channel)]);
+    const parts = this.parts.map((part) => [
+      part.position,
+      part.rotation,
+      ...part.quantities.map((one) => one.channel),
+    ]);
     return [this.time, ...parts.flat(), ...this.graphs.map((graph) => graph.channel)];
   }
 

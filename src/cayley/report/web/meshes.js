@@ -7,7 +7,9 @@ function tubeMesh({ nodes, outlines, points, normals, caps }) {
   const own = (list, node) => list[list.length > 1 ? node : 0];
   for (let node = 0; node < nodes; node++) {
     const [outline, normal] = [own(outlines, node), own(normals, node)];
-    points.forEach((pair, face) => pair.forEach((k, side) => vertices.push(node, ...outline[k], ...normal[face][side], 0)));
+    points.forEach((pair, face) =>
+      pair.forEach((k, side) => vertices.push(node, ...outline[k], ...normal[face][side], 0)),
+    );
   }
   const around = 2 * points.length;
   for (let node = 0; node + 1 < nodes; node++) {
@@ -17,15 +19,29 @@ function tubeMesh({ nodes, outlines, points, normals, caps }) {
       indices.push(a, a + 1, b + 1, a, b + 1, b);
     }
   }
-  for (const [node, sense] of [[0, -1], [nodes - 1, 1]]) {
+  for (const [node, sense] of [
+    [0, -1],
+    [nodes - 1, 1],
+  ]) {
     const first = vertices.length / 6;
     for (const point of own(outlines, node)) vertices.push(node, ...point, 0, 0, sense);
     for (const corners of caps) indices.push(...corners.map((k) => first + k));
   }
-  return { layout: [["node", 1], ["point", 2], ["normal", 3]], vertices, indices };
+  return {
+    layout: [
+      ["node", 1],
+      ["point", 2],
+      ["normal", 3],
+    ],
+    vertices,
+    indices,
+  };
 }
 
-const SOLID_LAYOUT = [["point", 3], ["normal", 3]];
+const SOLID_LAYOUT = [
+  ["point", 3],
+  ["normal", 3],
+];
 
 /** A box with sides of length 1. */
 function boxMesh() {
@@ -34,7 +50,12 @@ function boxMesh() {
   for (let axis = 0; axis < 3; axis++) {
     for (const sense of [-0.5, 0.5]) {
       const first = vertices.length / 6;
-      for (const [u, v] of [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) {
+      for (const [u, v] of [
+        [-0.5, -0.5],
+        [0.5, -0.5],
+        [0.5, 0.5],
+        [-0.5, 0.5],
+      ]) {
         const point = [0, 0, 0];
         const normal = [0, 0, 0];
         [point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3]] = [sense, u, v];

@@ -12,7 +12,8 @@ vec3 lit(vec3 color, vec3 normal) {
 }`;
 
 // A rod is never drawn thinner than a few pixels; flat is its shadow on the floor.
-const TUBE = [`#version 300 es
+const TUBE = [
+  `#version 300 es
 in float node; in vec2 point; in vec3 normal;
 uniform sampler2D state; uniform mat4 camera; uniform vec3 eye, up;
 uniform float thickness, pixel, radius, floorHeight; uniform bool flatten;
@@ -27,7 +28,8 @@ void main() {
   vNormal = turn(q, normal);
   vValue = place.w;
   gl_Position = camera * vec4(p, 1.0);
-}`, `#version 300 es
+}`,
+  `#version 300 es
 precision highp float;
 in vec3 vNormal; in float vValue;
 uniform sampler2D map; uniform vec2 range; uniform vec4 plain; uniform bool flatten;
@@ -38,9 +40,11 @@ void main() {
   float place = clamp((vValue - range.x) / (range.y - range.x), 0.0, 1.0);
   vec3 own = plain.a > 0.5 ? plain.rgb : texture(map, vec2(0.5 / 256.0 + place * 255.0 / 256.0, 0.5)).rgb;
   color = vec4(lit(own, vNormal), 1.0);
-}`];
+}`,
+];
 
-const SOLID = [`#version 300 es
+const SOLID = [
+  `#version 300 es
 in vec3 point, normal;
 uniform mat4 camera; uniform vec3 place, sides; uniform vec4 rotation;
 out vec3 vNormal;
@@ -48,15 +52,18 @@ ${TURN}
 void main() {
   vNormal = turn(rotation, normal);
   gl_Position = camera * vec4(place + turn(rotation, sides * point), 1.0);
-}`, `#version 300 es
+}`,
+  `#version 300 es
 precision highp float;
 in vec3 vNormal;
 uniform vec3 own;
 out vec4 color;
 ${LIGHT}
-void main() { color = vec4(lit(own, vNormal), 1.0); }`];
+void main() { color = vec4(lit(own, vNormal), 1.0); }`,
+];
 
-const LINE = [`#version 300 es
+const LINE = [
+  `#version 300 es
 in vec3 point; in vec4 own;
 uniform mat4 camera; uniform float size, nearer;
 out vec4 vColor;
@@ -65,7 +72,8 @@ void main() {
   gl_Position.z -= nearer * gl_Position.w;
   gl_PointSize = size;
   vColor = own;
-}`, `#version 300 es
+}`,
+  `#version 300 es
 precision highp float;
 in vec4 vColor;
 uniform int shape; uniform float size;
@@ -77,7 +85,8 @@ void main() {
   float r = shape == 1 ? length(p) : abs(p.x) + abs(p.y);
   if (r > 1.0) discard;
   if (r > 1.0 - 4.0 / size) color = vec4(0.1, 0.1, 0.1, 1.0);
-}`];
+}`,
+];
 
 class Painter {
   constructor(canvas) {
@@ -101,7 +110,10 @@ class Painter {
   program([vertex, fragment]) {
     const gl = this.gl;
     const program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    for (const [kind, text] of [
+      [gl.VERTEX_SHADER, vertex],
+      [gl.FRAGMENT_SHADER, fragment],
+    ]) {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
@@ -173,8 +185,12 @@ class Painter {
       if (!(name in places)) continue;
       if (typeof value === "number") gl.uniform1f(places[name], value);
       else if (typeof value === "boolean") gl.uniform1i(places[name], value);
-      else gl[{ 2: "uniform2fv", 3: "uniform3fv", 4: "uniform4fv" }[value.length] || "uniformMatrix4fv"](
-        places[name], ...(value.length > 4 ? [false] : []), value);
+      else
+        gl[{ 2: "uniform2fv", 3: "uniform3fv", 4: "uniform4fv" }[value.length] || "uniformMatrix4fv"](
+          places[name],
+          ...(value.length > 4 ? [false] : []),
+          value,
+        );
     }
     return places;
   }

@@ -4,7 +4,11 @@ const INK = [0.1, 0.1, 0.1, 1];
 const GRAY = [0.42, 0.42, 0.42, 1];
 const PALE = [0.87, 0.87, 0.86, 1];
 const STEEL = [0.66, 0.71, 0.76];
-const AXIS_COLORS = [[0.84, 0.37, 0, 1], [0, 0.62, 0.45, 1], [0, 0.45, 0.7, 1]];
+const AXIS_COLORS = [
+  [0.84, 0.37, 0, 1],
+  [0, 0.62, 0.45, 1],
+  [0, 0.45, 0.7, 1],
+];
 const AXIS_NAMES = ["x", "y", "z"];
 
 class Picture {
@@ -99,8 +103,10 @@ class Picture {
       } else rigid.push([part, poses[i], values]);
       if (frames) lines.push(...this.triads(part, poses[i]));
     });
-    for (const [part, pose, values] of rigid) this.drawBlock(part, pose, values && this.rgb(values[0], range, color.map), common, lines);
-    for (const link of scene.links) lines.push(...segment(this.locate(link.first, poses), this.locate(link.second, poses), GRAY));
+    for (const [part, pose, values] of rigid)
+      this.drawBlock(part, pose, values && this.rgb(values[0], range, color.map), common, lines);
+    for (const link of scene.links)
+      lines.push(...segment(this.locate(link.first, poses), this.locate(link.second, poses), GRAY));
     painter.drawLoose(lines, 0, matrix);
     this.drawMarks(poses, ports, matrix, selected);
     this.labels();
@@ -131,12 +137,14 @@ class Picture {
   drawBlock(part, pose, rgb, common, lines) {
     const [place, q] = [pose.place(0), pose.node(0)];
     const own = { ...common, place, own: rgb || STEEL };
-    if (part.sides) this.painter.drawSolid(this.painter.box, { ...own, rotation: product(q, part.turn), sides: part.sides });
+    if (part.sides)
+      this.painter.drawSolid(this.painter.box, { ...own, rotation: product(q, part.turn), sides: part.sides });
     else {
       const size = 0.04 * this.camera.size;
       this.painter.drawSolid(this.painter.ball, { ...own, rotation: q, sides: [size, size, size] });
     }
-    for (const shift of Object.values(part.ports || {})) lines.push(...segment(place, add(place, turned(q, shift)), GRAY));
+    for (const shift of Object.values(part.ports || {}))
+      lines.push(...segment(place, add(place, turned(q, shift)), GRAY));
   }
 
   /** The three axes of cross-sections, at up to forty nodes of a rod. */
@@ -157,13 +165,21 @@ class Picture {
 
   drawMarks(poses, ports, matrix, selected) {
     const { painter, scene } = this;
-    const at = (kind) => scene.marks.filter((mark) => mark.kind === kind).map((mark) => [...this.locate(mark.place, poses), 1, 1, 1, 1]);
+    const at = (kind) =>
+      scene.marks.filter((mark) => mark.kind === kind).map((mark) => [...this.locate(mark.place, poses), 1, 1, 1, 1]);
     const size = this.ratio;
     painter.drawLoose(at("support"), 1, matrix, { size: 11 * size, nearer: 2e-3 });
     painter.drawLoose(at("joint"), 2, matrix, { size: 12 * size, nearer: 2e-3 });
     if (ports) {
-      const places = scene.parts.flatMap((part, i) => this.ports(part).map(([, node, shift]) => this.locate({ part: i, node, shift }, poses)));
-      painter.drawLoose(places.map((place) => [...place, 0.35, 0.7, 0.95, 1]), 1, matrix, { size: 8 * size, nearer: 3e-3 });
+      const places = scene.parts.flatMap((part, i) =>
+        this.ports(part).map(([, node, shift]) => this.locate({ part: i, node, shift }, poses)),
+      );
+      painter.drawLoose(
+        places.map((place) => [...place, 0.35, 0.7, 0.95, 1]),
+        1,
+        matrix,
+        { size: 8 * size, nearer: 3e-3 },
+      );
     }
     if (selected) {
       const place = this.locate({ ...selected, shift: [0, 0, 0] }, poses);
@@ -176,7 +192,10 @@ class Picture {
   /** Name, node and shift of the ports of a part: those of a body, the ends of a rod. */
   ports(part) {
     if (part.kind === "block") return Object.entries(part.ports).map(([name, shift]) => [name, 0, shift]);
-    return [["start", 0, [0, 0, 0]], ["end", part.nodes - 1, [0, 0, 0]]];
+    return [
+      ["start", 0, [0, 0, 0]],
+      ["end", part.nodes - 1, [0, 0, 0]],
+    ];
   }
 
   floor() {
@@ -192,7 +211,12 @@ class Picture {
 
   ticks(axis) {
     const found = [];
-    for (let k = Math.ceil(this.low[axis] / this.step - 1e-9); k * this.step <= this.high[axis] * (1 + 1e-9) + 1e-12; k++) found.push(k * this.step);
+    for (
+      let k = Math.ceil(this.low[axis] / this.step - 1e-9);
+      k * this.step <= this.high[axis] * (1 + 1e-9) + 1e-12;
+      k++
+    )
+      found.push(k * this.step);
     return found;
   }
 
@@ -208,8 +232,10 @@ class Picture {
     const [a, b, c] = this.directions();
     const floor = this.floor() * this.scene.up[c];
     const found = [];
-    for (const u of [this.low[a], ...this.ticks(a), this.high[a]]) found.push(...segment(this.point(u, this.low[b], floor), this.point(u, this.high[b], floor), PALE));
-    for (const v of [this.low[b], ...this.ticks(b), this.high[b]]) found.push(...segment(this.point(this.low[a], v, floor), this.point(this.high[a], v, floor), PALE));
+    for (const u of [this.low[a], ...this.ticks(a), this.high[a]])
+      found.push(...segment(this.point(u, this.low[b], floor), this.point(u, this.high[b], floor), PALE));
+    for (const v of [this.low[b], ...this.ticks(b), this.high[b]])
+      found.push(...segment(this.point(this.low[a], v, floor), this.point(this.high[a], v, floor), PALE));
     const [u, v] = this.corner();
     found.push(...segment(this.point(u, v, this.low[c]), this.point(u, v, this.high[c]), PALE));
     return found;
@@ -272,7 +298,9 @@ class Picture {
       pen.textAlign = out[0] > 3 ? "left" : out[0] < -3 ? "right" : "center";
       pen.fillText(text, x + out[0], y + out[1]);
     };
-    ticks.forEach((value, k) => { if (k % every === 0) put(value, shown(value, 6), 9); });
+    ticks.forEach((value, k) => {
+      if (k % every === 0) put(value, shown(value, 6), 9);
+    });
     put(0.5 * (this.low[axis] + this.high[axis]), `${AXIS_NAMES[axis]} [m]`, 34);
   }
 
@@ -296,12 +324,16 @@ class Picture {
 }
 
 const times4 = (s, q) => [s * q[0], s * q[1], s * q[2], s * q[3]];
-const segment = (a, b, color) => [[...a, ...color], [...b, ...color]];
+const segment = (a, b, color) => [
+  [...a, ...color],
+  [...b, ...color],
+];
 
 /** A step of some pixels from a line on the screen, away from a point. */
 function outward([a, b], center, away) {
   const along = [b[0] - a[0], b[1] - a[1]];
   const normal = times(away / (Math.hypot(...along) || 1), [along[1], -along[0], 0]);
-  const sense = normal[0] * (0.5 * (a[0] + b[0]) - center[0]) + normal[1] * (0.5 * (a[1] + b[1]) - center[1]) < 0 ? -1 : 1;
+  const sense =
+    normal[0] * (0.5 * (a[0] + b[0]) - center[0]) + normal[1] * (0.5 * (a[1] + b[1]) - center[1]) < 0 ? -1 : 1;
   return [sense * normal[0], sense * normal[1]];
 }

@@ -4,7 +4,6 @@ const element = (id) => document.getElementById(id);
 const PAGE = JSON.parse(element("page").textContent);
 const MAPS = Object.fromEntries(Object.entries(PAGE.maps).map(([name, text]) => [name, fromBase64(text)]));
 const PLAY_SECONDS = 10; // that a run takes at the speed it starts with, about
-const POLL_SECONDS = 1;
 
 class Player {
   constructor() {
@@ -24,7 +23,7 @@ class Player {
     const scene = this.loaded[number] || new Scene(PAGE.scenes[number]);
     if (!this.loaded[number]) {
       this.loaded[number] = scene;
-      if (PAGE.live) await this.poll(scene, number);
+      if (PAGE.live) await poll(scene, number);
       else scene.append(await unzipped(fromBase64(element(`frames${number}`).textContent)));
     }
     this.scene = scene;
@@ -57,7 +56,12 @@ class Player {
       return;
     }
     const choose = (x, y) => this.choose(this.picture.pick(x, y));
-    listen(canvas, () => this.picture.camera, () => this.draw(), choose);
+    listen(
+      canvas,
+      () => this.picture.camera,
+      () => this.draw(),
+      choose,
+    );
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
@@ -103,7 +107,10 @@ class Player {
   fillControls(rods) {
     const { scene } = this;
     const fill = (id, rows) => element(id).replaceChildren(...rows.map(([value, text]) => new Option(text, value)));
-    fill("scene", PAGE.scenes.map((one, k) => [k, one.name]));
+    fill(
+      "scene",
+      PAGE.scenes.map((one, k) => [k, one.name]),
+    );
     element("scene").value = this.number;
     element("scenes").hidden = PAGE.scenes.length < 2;
     const known = new Map(scene.parts.flatMap((part) => part.quantities.map((one) => [one.key, one])));
@@ -115,7 +122,10 @@ class Player {
     const before = element("color").value;
     fill("color", [...colors, ["/", "nothing"]]);
     if ([...colors, ["/"]].some(([value]) => value === before)) element("color").value = before;
-    fill("part", rods.map((part) => [scene.parts.indexOf(part), part.name]));
+    fill(
+      "part",
+      rods.map((part) => [scene.parts.indexOf(part), part.name]),
+    );
     fill("quantity", rods.length ? rods[0].quantities.map((one) => [one.key, one.label]) : []);
     this.selected = element("rods").hidden ? null : this.middle(scene.parts.indexOf(rods[0]));
     this.fillSpeeds();
@@ -129,9 +139,13 @@ class Player {
 
   fillSpeeds() {
     const usual = roundUp(Math.max(this.last - this.first, 1e-9) / PLAY_SECONDS);
-    const speeds = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].map((factor) => Number((factor * usual).toPrecision(1)));
+    const speeds = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].map((factor) =>
+      Number((factor * usual).toPrecision(1)),
+    );
     const all = [...new Set([...speeds, 1])].sort((a, b) => a - b);
-    element("speed").replaceChildren(...all.map((speed) => new Option(speed === 1 ? "real time" : `${shown(speed)} ×`, speed)));
+    element("speed").replaceChildren(
+      ...all.map((speed) => new Option(speed === 1 ? "real time" : `${shown(speed)} ×`, speed)),
+    );
     element("speed").value = Number(usual.toPrecision(1));
   }
 
@@ -163,18 +177,33 @@ class Player {
     const most = (this.color.key && this.scene.largest(this.color)) || 1;
     this.range = this.color.map === "signed" ? [-most, most] : [0, most];
     const [low, high] = this.range;
-    for (const [id, value] of [["low", low], ["middle", 0.5 * (low + high)], ["high", high]]) element(id).textContent = shown(value, 3);
+    for (const [id, value] of [
+      ["low", low],
+      ["middle", 0.5 * (low + high)],
+      ["high", high],
+    ])
+      element(id).textContent = shown(value, 3);
   }
 
   buildPlots() {
     for (const plot of this.plots) plot.remove();
     const time = this.scene.time.column(0);
-    this.plots = this.scene.graphs.map((graph) => new Plot(
-      element("graphs"),
-      { title: graph.title, unit: graph.unit, names: graph.names, across: "time [s]", shade: this.scene.shade, linked: true },
-      [time, ...graph.names.map((_, k) => graph.channel.column(k))],
-      (at) => this.seek(at),
-    ));
+    this.plots = this.scene.graphs.map(
+      (graph) =>
+        new Plot(
+          element("graphs"),
+          {
+            title: graph.title,
+            unit: graph.unit,
+            names: graph.names,
+            across: "time [s]",
+            shade: this.scene.shade,
+            linked: true,
+          },
+          [time, ...graph.names.map((_, k) => graph.channel.column(k))],
+          (at) => this.seek(at),
+        ),
+    );
     this.buildRodPlots();
   }
 
@@ -186,16 +215,28 @@ class Player {
     const part = this.scene.parts[this.selected.part];
     const one = this.chosen();
     const names = one.axes ? [...one.axes, "‖·‖"] : [one.label];
-    const most = this.scene.largest({ key: one.key, component: -1 }, part) * 1.05 || 1;
+    const range = () => {
+      const most = 1.05 * this.scene.largest({ key: one.key, component: -1 }, part) || 1;
+      return [one.axes ? -most : 0, most]; // of all frames, so that it stays while the animation plays
+    };
     const about = { unit: one.unit, names, shade: this.scene.shade };
     this.along = new Plot(
       element("along"),
-      { ...about, title: `${one.label} along ${part.name}`, across: "arc length [m]", shade: null, range: [one.axes ? -most : 0, most] },
+      {
+        ...about,
+        title: `${one.label} along ${part.name}`,
+        across: "arc length [m]",
+        shade: null,
+        range,
+      },
       this.alongData(),
       (at) => this.choose({ part: this.selected.part, node: nearest(part.s, at) }),
     );
     this.over = new Plot(
-      element("over"), { ...about, title: `${one.label} over the time`, across: "time [s]", linked: true }, this.overData(), (at) => this.seek(at),
+      element("over"),
+      { ...about, title: `${one.label} over the time`, across: "time [s]", linked: true },
+      this.overData(),
+      (at) => this.seek(at),
     );
     this.showNode();
     this.markTime();
@@ -324,38 +365,10 @@ class Player {
     if (this.over) this.over.set(this.overData());
     this.go(atEnd && !this.playing ? this.last : this.now);
   }
-
-  /** Ask the server for frames that are not here yet. */
-  async poll(scene, number) {
-    for (;;) {
-      const answer = await fetch(`frames?scene=${number}&from=${scene.frames}`);
-      if (answer.status === 204) return;
-      if (answer.status === 205) location.reload(); // another run has taken the place of this one
-      if (!answer.ok) throw new Error(await answer.text());
-      scene.append(await unzipped(new Uint8Array(await answer.arrayBuffer())));
-    }
-  }
 }
 
 function nearest(values, at) {
   return values.reduce((best, value, k) => (Math.abs(value - at) < Math.abs(values[best] - at) ? k : best), 0);
-}
-
-/** Follow a run in progress. */
-async function follow(player) {
-  for (;;) {
-    await new Promise((resolve) => setTimeout(resolve, 1000 * POLL_SECONDS));
-    const before = player.scene.frames;
-    const atEnd = player.now >= player.last;
-    try {
-      await player.poll(player.scene, player.number);
-    } catch (error) {
-      element("live").textContent = `The server does not answer (${error.message}).`;
-      continue;
-    }
-    element("live").textContent = `Live: ${player.scene.frames} frames, up to t = ${shown(player.last)} s.`;
-    if (player.scene.frames > before) player.grown(atEnd);
-  }
 }
 
 async function start() {

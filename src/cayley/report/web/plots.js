@@ -26,7 +26,15 @@ class Plot {
 
   options() {
     const { title, across, unit, names, shade, linked, range } = this.about;
-    const axis = { font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif", labelSize: 18, stroke: "#5f5f5f", grid: { stroke: "#e9e9e9", width: 1 }, ticks: { stroke: "#cccccc", size: 4 }, labelGap: 0 };
+    const axis = {
+      font: "11px system-ui, sans-serif",
+      labelFont: "11px system-ui, sans-serif",
+      labelSize: 18,
+      stroke: "#5f5f5f",
+      grid: { stroke: "#e9e9e9", width: 1 },
+      ticks: { stroke: "#cccccc", size: 4 },
+      labelGap: 0,
+    };
     const number = (digits) => (plot, value) => (value === null || value === undefined ? "–" : shown(value, digits));
     return {
       title,
@@ -41,7 +49,13 @@ class Plot {
       ],
       series: [
         { label: across.startsWith("time") ? "t" : "s", value: number(6) },
-        ...names.map((name, k) => ({ label: name, stroke: WHOLE.test(name) ? "#1a1a1a" : LINE_COLORS[k], width: 1.4, value: number(6), points: { show: false } })),
+        ...names.map((name, k) => ({
+          label: name,
+          stroke: WHOLE.test(name) ? "#1a1a1a" : LINE_COLORS[k],
+          width: 1.4,
+          value: number(6),
+          points: { show: false },
+        })),
       ],
       hooks: {
         drawClear: [(plot) => shade && fillBetween(plot, shade)],
