@@ -61,6 +61,7 @@ _MODULES = {
     "springs": "model.springs",
     "densities": "density.library",
 }
+_EXTENSIONS = {"plot": ("report.plots", "Plots"), "animate": ("report.film", "film")}
 
 __all__ = ["__version__", *_HOMES, *_RENAMED, *_MODULES]
 
@@ -78,6 +79,12 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'cayley' has no attribute {name!r}")
     globals()[name] = value
     return value
+
+
+def extension(name: str) -> Any:
+    """What a layer above the results adds to a Trajectory, loaded when first used: results know no reports."""
+    module, own = _EXTENSIONS[name]
+    return getattr(importlib.import_module(f"cayley.{module}"), own)
 
 
 def __dir__() -> list[str]:

@@ -122,3 +122,10 @@ def test_pages_say_what_happens(name: str) -> None:
     found = doctest.testfile(page, module_relative=False, optionflags=doctest.ELLIPSIS)
     assert found.attempted > 20
     assert not found.failed
+
+
+def test_the_page_of_results_says_what_happens(tmp_path: Path) -> None:
+    page = str(ROOT / "docs" / "howto-results.md")
+    found = doctest.testfile(page, module_relative=False, globs={"folder": tmp_path})
+    assert found.attempted > 20
+    assert not found.failed

@@ -55,6 +55,17 @@ class Scenario:
         """The model it describes."""
         return build(self.tables)
 
+    def report_options(self) -> dict[str, Any]:
+        """The arguments of `cayley.report.write_report` besides run and path."""
+        shown, notes = self.tables.report, self.tables.notes
+        return {
+            "title": self.title,
+            "scenario_text": self.text,
+            "notes": () if notes is None else (notes.title, *notes.paragraphs),
+            "times": shown.snapshots if shown else None,
+            "nodes": shown.nodes if shown else None,
+        }
+
     def options(self) -> dict[str, Any]:
         """The arguments of `cayley.simulate` besides the model."""
         from cayley.discrete import rules  # with CasADi behind it, which checking a file does not need

@@ -137,6 +137,7 @@ class Still:
             for k, name in enumerate(names if len(cells.uniforms) else ()):
                 if name in values:
                     term["uniforms"][:, 1 + k] = term["light_uniforms"][:, 1 + k] = values[name]
+
     def put_on(self, share: float) -> None:
         """Take a share of all point and line loads, as they are at this time."""
         if self.system.loads is not None:
