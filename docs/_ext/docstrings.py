@@ -26,8 +26,8 @@ def shorten(
 def rewritten(paragraph: list[str]) -> list[str]:
     """One paragraph of a docstring.
 
-    A formula is a paragraph with a relation in it and no full stop at its end; it is kept as it is written. "Returns: x"
-    and "Source: x" in one line become fields.
+    A formula is a paragraph with a relation in it and no full stop at its end; it is kept as it is written.
+    "Returns: x" and "Source: x" in one line become fields.
     """
     first = paragraph[0]
     head = re.match(r"^(Returns|Source): (\S.*)$", first)

@@ -46,7 +46,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "E3",
     ),
 }
-"""What stands together in the reference; a public name that is not here comes on the page "More", a family on its own."""
+"""What stands together in the reference; other public names come on the page "More", families on pages of their own."""
 
 
 def make(app: Any) -> None:
@@ -119,8 +119,8 @@ def _entry(name: str) -> str:
 def _list(groups: dict[str, tuple[str, ...]]) -> str:
     lines = [_heading("API reference")]
     lines += [
-        "Everything public is an attribute of ``cayley``, imported as ``cy`` throughout. Each entry has its formula, shapes,",
-        "SI units, errors and source; *[source]* beside it shows the code.",
+        "Everything public is an attribute of ``cayley``, imported as ``cy`` throughout. Each entry has its formula,",
+        "shapes, SI units, errors and source; *[source]* beside it shows the code.",
         "",
     ]
     for title, names in groups.items():

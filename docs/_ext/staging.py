@@ -60,4 +60,4 @@ def figure_style(gallery_conf: dict[str, Any], fname: str) -> None:
     mpl.rcdefaults()
     mpl.rcParams.update(style._PARAMETERS)
     mpl.rcParams.update({"figure.dpi": 110, "savefig.dpi": 110, "font.size": 9.5, "axes.titlesize": 9.5})
-    mpl.rcParams["axes.prop_cycle"] = mpl.cycler(color=style.AXES + ("#CC79A7", "#E69F00", "#56B4E9"))
+    mpl.rcParams["axes.prop_cycle"] = mpl.cycler(color=[*style.AXES, "#CC79A7", "#E69F00", "#56B4E9"])
