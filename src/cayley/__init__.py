@@ -31,7 +31,11 @@ _HOMES = {
     "Model": "model",
     "simulate": "simulation",
     "integrate": "simulation",
+    "resume": "simulation",
     "SimulationError": "simulation",
+    "Interrupted": "simulation",
+    "WriteError": "simulation",
+    "DamageWarning": "results.known",
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
@@ -98,9 +102,13 @@ if TYPE_CHECKING:
     from cayley.model import loads as loads
     from cayley.model import springs as springs
     from cayley.model import supports as supports
+    from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory
+    from cayley.simulation import Interrupted as Interrupted
     from cayley.simulation import SimulationError as SimulationError
+    from cayley.simulation import WriteError as WriteError
     from cayley.simulation import integrate as integrate
+    from cayley.simulation import resume as resume
     from cayley.simulation import simulate as simulate
     from cayley.statics import Equilibrium as Equilibrium
     from cayley.statics import EquilibriumError as EquilibriumError

@@ -13,17 +13,25 @@ class Schedule:
         stride: steps between two saves.
         saves: number of full strides.
         rest: steps of a last, shorter stride.
+        strides: steps between saves that are not equally far apart, instead.
     """
 
     h: float
     stride: int
     saves: int
     rest: int
+    strides: tuple[int, ...] = ()
+
+    @property
+    def pieces(self) -> list[tuple[int, int]]:
+        """Strides, and how many times each is taken, one after the other."""
+        equal = [(self.stride, self.saves), (self.rest, 1)]
+        return [(stride, times) for stride, times in [*equal, *((own, 1) for own in self.strides)] if stride and times]
 
     @property
     def steps(self) -> int:
         """Number of steps."""
-        return self.stride * self.saves + self.rest
+        return self.stride * self.saves + self.rest + sum(self.strides)
 
 
 def schedule(span: float, dt: float, save_every: float) -> Schedule:

@@ -48,14 +48,15 @@ class Trajectory:
             frames: the saved states.
             info: facts of the run; "wall_time" [s] among them.
             system: the system that ran; or else
-            outline: its outline, with
-            observed: what was observed of it.
+            outline: its outline, and
+            observed: what was observed of it; without it, that is observed when first asked for.
             model: the model it came from, if any.
             parts: nodes of each part by name.
         """
-        if system is None and (outline is None or observed is None):
-            raise TypeError("Trajectory: give the system, or outline and observed")
+        if system is None and outline is None:
+            raise TypeError("Trajectory: give the system, or its outline")
         self.frames, self.model = frames, model
+        self.path: Path | None = None
         self.info = dict(info)
         self._parts = dict(parts or {})
         for name, given in (("system", system), ("outline", outline), ("observed", observed)):
@@ -313,6 +314,20 @@ class Trajectory:
         from cayley.results.store import open_run
 
         return open_run(path, model=model)
+
+    def resume(self, t_end: float | None = None, **options: Any) -> "Trajectory":
+        """Go on with the run in its store, as if it had never stopped; see cy.resume.
+
+        Raises:
+            ValueError: if it is in no store.
+        """
+        import cayley
+
+        if self.path is None:
+            raise ValueError(
+                "the run is in no store; save and open it, or go on with cy.simulate(model, start=run, ...)"
+            )
+        return cayley.resume(self.path, t_end, **({"model": self.model} | options))
 
     def _account(self, column: int) -> np.ndarray:
         """Work (0) or loss (1) since the first frame, shape (m,)."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,12 @@ from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.model.loads import Gravity
 from cayley.results.trajectory import Trajectory
-from cayley.simulation.failure import SimulationError
+from cayley.results.writer import WriteError
+from cayley.simulation.failure import Interrupted, SimulationError
+from cayley.simulation.restart import resume
 from cayley.simulation.run import run as _run
-from cayley.simulation.run import spacing_of, span_of
+from cayley.simulation.run import span_of
+from cayley.simulation.saves import Saves
 from cayley.simulation.start import start_of_model, start_of_system
 from cayley.steppers.saddle import is_constrained
 from cayley.system.discretize import spans
@@ -36,6 +40,10 @@ def simulate(
     rule: Rule | None = None,
     accuracy: float | None = None,
     save_every: float | None = None,
+    save_steps: int | None = None,
+    save_at: Sequence[float] | None = None,
+    store: str | Path | None = None,
+    overwrite: bool = False,
     start: Any = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
@@ -54,6 +62,11 @@ def simulate(
         accuracy: largest wanted error of positions from steps in time, relative to the extent of the model, instead of
             dt: step and, if it is not given, rule are chosen; run.why tells how.
         save_every: time between saved frames [s]; a hundredth of the run without it.
+        save_steps: steps between saved frames, instead.
+        save_at: times of saved frames [s], instead; the steps nearest to them are saved, and the end.
+        store: a Zarr store, a directory, to be written while the run goes on; it stays whole when the run is killed,
+            and cy.resume goes on with it. Frames stay in memory without it.
+        overwrite: replace a run that is at store.
         start: an Equilibrium, the last frame of a Trajectory, or a State to begin from, at its time, instead of the
             reference at time 0; of the same parts, elements and degree in space. Loads may be others.
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
@@ -69,6 +82,9 @@ def simulate(
     Raises:
         ValueError: if an argument does not fit, dt is over the step limit, or no rule reaches the accuracy.
         SimulationError: if a step is not solved or the motion blows up.
+        FileExistsError: if something is at store.
+        WriteError: if the store can't be written; all but the last frames are there.
+        Interrupted: on Ctrl-C; it has the frames saved before.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014).
     """
@@ -80,11 +96,14 @@ def simulate(
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
     begin = start_of_model(model, rotation, initial, start=start, account=balance)
 
-    def run(rule: Rule, dt: float | None) -> Trajectory:
+    saves = _saves(save_every, save_steps, save_at, store, overwrite=overwrite)
+
+    def run(rule: Rule, dt: float | None, attempt: int = 0) -> Trajectory:
         system, state = begin(rule)
         parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
         options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress}
-        return _run(system, state, t_end, dt, save_every, **options, model=model, parts=parts)
+        again = replace(saves, overwrite=saves.overwrite or attempt > 0)
+        return _run(system, state, t_end, dt, again, **options, model=model, parts=parts)
 
     if accuracy is None:
         return run(rule or rules.verlet, dt)
@@ -124,6 +143,10 @@ def integrate(
     accuracy: float | None = None,
     save_every: float | None = None,
     t_start: float = 0.0,
+    save_steps: int | None = None,
+    save_at: Sequence[float] | None = None,
+    store: str | Path | None = None,
+    overwrite: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
@@ -140,6 +163,10 @@ def integrate(
             in radians.
         save_every: time between saved frames [s]; a hundredth of the run without it.
         t_start: time of the start [s].
+        save_steps: steps between saved frames, instead.
+        save_at: times of saved frames [s], instead; the steps nearest to them are saved, and the end.
+        store: a Zarr store to be written while the run goes on, see cy.simulate.
+        overwrite: replace a run that is at store.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
 
@@ -149,19 +176,32 @@ def integrate(
         ValueError: if the start or another argument does not fit, dt is over the step limit, or the accuracy is not
             reached.
         SimulationError: if a step is not solved or the motion blows up.
+        FileExistsError: if something is at store.
+        WriteError: if the store can't be written; all but the last frames are there.
+        Interrupted: on Ctrl-C; it has the frames saved before.
     """
     if not isinstance(system, System):
         raise TypeError(f"integrate: {system!r} is no compiled system; make one with cy.compile(lagrangian, rule=...)")
     state = start_of_system(system, start, t_start)
 
-    def run(rule: Rule, dt: float | None) -> Trajectory:
-        return _run(system, state, t_end, dt, save_every, allow_unstable=allow_unstable, progress=progress)
+    saves = _saves(save_every, save_steps, save_at, store, overwrite=overwrite)
+
+    def run(rule: Rule, dt: float | None, attempt: int = 0) -> Trajectory:
+        again = replace(saves, overwrite=saves.overwrite or attempt > 0)
+        return _run(system, state, t_end, dt, again, allow_unstable=allow_unstable, progress=progress)
 
     rule = system.equations.rule
     if accuracy is None:
         return run(rule, dt)
     _check_accuracy(accuracy, dt)
     return _run_chosen(_task(lambda _: (system, state), t_end, save_every, accuracy, rule), [rule], run)
+
+
+def _saves(
+    every: float | None, steps: int | None, at: Sequence[float] | None, store: str | Path | None, *, overwrite: bool
+) -> Saves:
+    where = None if store is None else Path(store)
+    return Saves(every=every, steps=steps, at=at, store=where, overwrite=overwrite)
 
 
 def _check_accuracy(accuracy: Any, dt: float | None) -> None:
@@ -191,7 +231,7 @@ def _task(
         begin=begin,
         nodes=system.size,
         span=span,
-        save_every=spacing_of(save_every, span),
+        save_every=Saves(every=save_every).spacing(span),
         accuracy=accuracy,
         loads=seconds_of_loads(system),
         constrained=is_constrained(system),
@@ -199,14 +239,14 @@ def _task(
     )
 
 
-def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float | None], Trajectory]) -> Trajectory:
+def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float, int], Trajectory]) -> Trajectory:
     """Choose and run; where a run stops that its trials promised, choose again by trials of whole runs."""
     told = ""
     for attempt in range(ATTEMPTS):
         choice = choose(task, rules)
         best = choice.best
         try:
-            trajectory = run(best.rule, best.dt)
+            trajectory = run(best.rule, best.dt, attempt)
         except SimulationError as error:
             if attempt == ATTEMPTS - 1:
                 raise
@@ -218,4 +258,15 @@ def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float | 
     return trajectory
 
 
-__all__ = ["Choice", "Schedule", "SimulationError", "advise", "integrate", "schedule", "simulate"]
+__all__ = [
+    "Choice",
+    "Interrupted",
+    "Schedule",
+    "SimulationError",
+    "WriteError",
+    "advise",
+    "integrate",
+    "resume",
+    "schedule",
+    "simulate",
+]

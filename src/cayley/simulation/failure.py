@@ -18,6 +18,17 @@ class SimulationError(RuntimeError):
         self.partial = partial
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C in a run: what was saved before is in ``partial``, and in its store."""
+
+    def __init__(self, partial: Trajectory) -> None:
+        """Hold the frames saved before."""
+        path = partial.path
+        where = "" if path is None else f"; {path} has all frames, cy.resume({str(path)!r}) goes on"
+        super().__init__(f"stopped by hand at t = {partial.time[-1]:.6g} s{where}")
+        self.partial = partial
+
+
 def explain(system: System, result: Result, trajectory: Trajectory) -> str:
     """One line on a run that stopped.
 

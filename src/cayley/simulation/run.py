@@ -3,18 +3,19 @@
 import functools
 import math
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
-
 from cayley.choice.pilot import stepper_of
-from cayley.choice.schedule import schedule
+from cayley.choice.schedule import Schedule
 from cayley.model import Model
-from cayley.results.observe import Frames
+from cayley.results.append import about_run
+from cayley.results.outline import Outline
 from cayley.results.trajectory import Trajectory
-from cayley.simulation.failure import SimulationError, explain, name_of
+from cayley.results.writer import Writer, begin_store, finish
+from cayley.simulation.failure import Interrupted, SimulationError, explain, name_of
+from cayley.simulation.record import Record
+from cayley.simulation.saves import Saves, positive
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import State, System
 
@@ -27,12 +28,13 @@ def run(
     state: State,
     t_end: float,
     dt: float | None,
-    save_every: float | None,
+    saves: Saves,
     *,
-    allow_unstable: bool,
-    progress: Callable[[float, float], None] | None,
+    allow_unstable: bool = False,
+    progress: Callable[[float, float], None] | None = None,
     model: Model | None = None,
     parts: Mapping[str, slice] | None = None,
+    resumed: bool = False,
 ) -> Trajectory:
     """Run a system from a state, by equal steps that meet the saves.
 
@@ -41,87 +43,83 @@ def run(
         state: the start.
         t_end: end of the run [s].
         dt: upper bound of the step [s]; None takes that of the state, or one from the step limit.
-        save_every: time between saved frames [s], or None.
+        saves: when and where frames are saved.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
         model: the model that the system is of, if any.
         parts: nodes of its rods by name.
+        resumed: whether the store has the frames up to the start already.
 
     Returns: the Trajectory.
 
     Raises:
         ValueError: if a time or the step does not fit.
+        FileExistsError: if something is where the store is to be.
         SimulationError: if a step is not solved or the motion blows up.
+        Interrupted: on Ctrl-C; what was saved is in its ``partial``.
     """
     span = span_of(state, t_end)
-    save_every = spacing_of(save_every, span)
     step = _step_size(system, state, dt, span, allow_unstable=allow_unstable)
-    plan = schedule(span, step, save_every)
+    plan = saves.schedule(state.time, span, step)
     begin = state.at_step(plan.h)
-    received = [_Block.of(begin)]
-    stepper = stepper_of(system)
-
-    def receive(stride: int, values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
-        numbers = received[-1].steps[-1] + stride * (1 + np.arange(len(values)))
-        received.append(_Block(numbers, values, momenta, work))
-
-    stepper.prepare(system)
-    started = clock.perf_counter()
-    result = Result(Outcome.FINISHED, begin, begin.step)
-    for stride, saves in ((plan.stride, plan.saves), (plan.rest, 1)):
-        if stride and saves and result.outcome is Outcome.FINISHED:
-            keep = functools.partial(receive, stride)
-            result = stepper.run(system, result.state, stride=stride, saves=saves, receive=keep, progress=progress)
-    info = {"wall_time": clock.perf_counter() - started, "t_end": t_end, "save_every": save_every}
-    frames = _frames(received, begin, result.state.memory)
-    trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
+    stepper_of(system).prepare(system)
+    info: dict[str, Any] = {"t_end": t_end, **saves.info()}
+    store = None
+    if saves.store is not None:
+        outline = Outline.of(system)
+        if not resumed:
+            about = about_run(outline, parts or {}, model, begin.h, begin.origin)
+            begin_store(saves.store, outline, about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite)
+        store = Writer(saves.store, outline, model, begin.h, begin.origin)
+    record = Record(begin, store, known=resumed)
+    started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
+    try:
+        result = _through(plan, system, begin, record, progress)
+    except KeyboardInterrupt:
+        stopped = True
+    info = {"wall_time": clock.perf_counter() - started, **info}
+    if store is None:
+        frames = record.frames(None if stopped else result.state.memory)
+        trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
+    else:
+        record.close()
+        finish(store.path, system, store.outline, info)
+        trajectory = Trajectory.open(store.path, model=model)
+        trajectory.__dict__["system"] = system  # compiled already
+    if stopped:
+        raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
         raise SimulationError(explain(system, result, trajectory), trajectory)
     return trajectory
 
 
-@dataclass(frozen=True, slots=True)
-class _Block:
-    """Frames received from one call of the driver."""
-
-    steps: np.ndarray
-    values: np.ndarray
-    momenta: np.ndarray
-    work: np.ndarray | None = None
-
-    @classmethod
-    def of(cls, state: State) -> "_Block":
-        work = None if state.work is None else state.work[None]
-        return cls(np.array([state.step]), state.values[None], state.momenta[None], work)
-
-
-def _frames(blocks: Sequence[_Block], start: State, memory: np.ndarray | None) -> Frames:
-    steps = np.concatenate([block.steps for block in blocks])
-    return Frames(
-        times=start.origin + steps * start.h,
-        steps=steps,
-        values=np.concatenate([block.values for block in blocks]),
-        momenta=np.concatenate([block.momenta for block in blocks]),
-        origin=start.origin,
-        h=start.h,
-        memory=memory,
-        work=_work(blocks),
-    )
-
-
-def _work(blocks: Sequence[_Block]) -> np.ndarray | None:
-    """Work and loss at all frames; none at the start, unless the run goes on from one that had some."""
-    found = [block.work for block in blocks if block.work is not None]
-    if not found:
-        return None
-    shape = found[-1].shape[1:]
-    return np.concatenate([np.zeros((len(b.steps), *shape)) if b.work is None else b.work for b in blocks])
+def _through(
+    plan: Schedule,
+    system: System,
+    begin: State,
+    record: Record,
+    progress: Callable[[float, float], None] | None,
+) -> Result:
+    """Run all strides of a plan, in calls of bounded time."""
+    stepper, result = stepper_of(system), Result(Outcome.FINISHED, begin, begin.step)
+    for stride, frames in plan.pieces:
+        done = 0
+        while done < frames and result.outcome is Outcome.FINISHED:
+            count = record.most(frames - done)
+            called = clock.perf_counter()
+            keep = functools.partial(record.receive, stride)
+            result = stepper.run(system, result.state, stride=stride, saves=count, receive=keep)
+            record.called(result.state, clock.perf_counter() - called)
+            done += count
+            if progress is not None:
+                progress((result.state.step - begin.step) / plan.steps, result.state.time)
+    return result
 
 
 def _step_size(system: System, state: State, dt: float | None, span: float, *, allow_unstable: bool) -> float:
     """The step asked for, or one from the limit."""
     if dt is not None:
-        _positive("dt", dt, "s")
+        positive("dt", dt, "s")
         if allow_unstable:
             return dt
     elif state.h > 0.0:
@@ -141,23 +139,7 @@ def _step_size(system: System, state: State, dt: float | None, span: float, *, a
 
 def span_of(state: State, t_end: float) -> float:
     """Length of a run [s]."""
-    span = _positive("t_end", t_end, "s") - state.time
+    span = positive("t_end", t_end, "s") - state.time
     if span <= 0.0:
         raise ValueError(f"t_end is {t_end:g} s, the start is at {state.time:g} s; t_end must be later")
     return span
-
-
-def spacing_of(save_every: float | None, span: float) -> float:
-    """Time between saves [s]: what is given, within the run, or a hundredth of it."""
-    return span / 100.0 if save_every is None else min(_positive("save_every", save_every, "s"), span)
-
-
-def _positive(name: str, value: Any, unit: str) -> float:
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int | float | np.floating | np.integer)
-        or not math.isfinite(value)
-        or value <= 0
-    ):
-        raise ValueError(f"{name} is {value!r}; give a positive number [{unit}]")
-    return float(value)

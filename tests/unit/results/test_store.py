@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 import cayley as cy
-from cayley.results import store
+from cayley.results import append
 from cayley.results.trajectory import Trajectory
 
 
@@ -155,14 +155,14 @@ def test_xarray_opens_the_store_alone(rods: tuple[Trajectory, Path]) -> None:
 
 def test_format_is_stated(rods: tuple[Trajectory, Path]) -> None:
     about = json.loads((rods[1] / "zarr.json").read_text())["attributes"]
-    assert (about["format"], about["version"], about["rule"]) == ("cayley run", 1, "verlet")
+    assert (about["format"], about["version"], about["rule"]) == ("cayley run", 2, "verlet")
     assert about["model"]["loads"][1]["value"] == {"function": "whirl"}
 
 
 def test_frames_are_chunked_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import zarr
 
-    monkeypatch.setattr(store, "CHUNK_BYTES", 1000)
+    monkeypatch.setattr(append, "CHUNK_BYTES", 1000)
     run = integrated("string")
     run.save(tmp_path / "run.zarr")
     array = zarr.open_group(tmp_path / "run.zarr", mode="r", use_consolidated=False)["fields/x/value"]
@@ -197,7 +197,7 @@ def test_a_save_that_fails_leaves_what_was_there(tmp_path: Path, monkeypatch: py
     def fail(*_: Any, **__: Any) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(store, "_of_field", fail)
+    monkeypatch.setattr(append, "observed_of_field", fail)
     with pytest.raises(OSError, match="disk full"):
         run.save(path, overwrite=True)
     monkeypatch.undo()
@@ -236,7 +236,6 @@ DAMAGES: dict[str, Callable[[Path], Any]] = {
     "a chunk is lost": lose_chunk,
     "a bit has flipped": flip_bit,
     "a chunk is cut off": cut_chunk,
-    "an array is lost": lambda path: shutil.rmtree(path / "kinetic_energy"),
     "a group is lost": lambda path: shutil.rmtree(path / "fields"),
     "a table of a load is lost": lambda path: shutil.rmtree(path / "loads" / "1"),
     "a field has another size": lambda path: change(path, fields=[["p", "rotation"], ["x", 4]]),
@@ -256,6 +255,14 @@ def test_damage_is_told_in_one_line(damage: str, rods: tuple[Trajectory, Path], 
     assert "\n" not in str(caught.value)
 
 
+def test_what_was_observed_is_observed_again_where_it_is_lost(rods: tuple[Trajectory, Path], tmp_path: Path) -> None:
+    path = shutil.copytree(rods[1], tmp_path / "copy.zarr")
+    shutil.rmtree(path / "kinetic_energy")
+    opened = Trajectory.open(path, model=rods[0].model)
+    assert "kinetic_energy" in opened.info["damage"]
+    assert opened.kinetic_energy.identical(rods[0].kinetic_energy)
+
+
 def test_what_is_no_run_is_told(rods: tuple[Trajectory, Path], tmp_path: Path) -> None:
     import zarr
 
@@ -272,8 +279,8 @@ def test_what_is_no_run_is_told(rods: tuple[Trajectory, Path], tmp_path: Path) -
 
 def test_a_newer_format_is_refused(rods: tuple[Trajectory, Path], tmp_path: Path) -> None:
     path = shutil.copytree(rods[1], tmp_path / "newer.zarr")
-    change(path, version=2, cayley="7.0")
-    with pytest.raises(ValueError, match=r"has format 2, .* reads formats up to 1; .*written by 7\.0") as caught:
+    change(path, version=3, cayley="7.0")
+    with pytest.raises(ValueError, match=r"has format 3, .* reads formats up to 2; .*written by 7\.0") as caught:
         Trajectory.open(path)
     assert "damaged" not in str(caught.value)
 

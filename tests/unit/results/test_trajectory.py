@@ -121,5 +121,5 @@ def test_data_on_an_interval() -> None:
 
 
 def test_needs_a_system_or_what_was_seen_of_it(thrown: Any) -> None:
-    with pytest.raises(TypeError, match="give the system, or outline and observed"):
+    with pytest.raises(TypeError, match="give the system, or its outline"):
         Trajectory(frames=thrown.run.frames, info={})

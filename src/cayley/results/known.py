@@ -1,0 +1,154 @@
+"""What is whole in a store: states from its arrays and its journal, and the last frame from which a run can go on."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cayley.results import journal
+from cayley.results.frames import Frames
+from cayley.results.outline import Outline
+
+
+class DamageWarning(UserWarning):
+    """A store is damaged: what is whole was opened, and the message says what is not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Whole frames of a store.
+
+    Args:
+        frames: states, with what is remembered of the step before the last one, if that is known.
+        stored: how many of them stand in arrays; others in the journal.
+        memories: numbers of frames from which a run of an implicit rule goes on bit for bit, with their memory.
+        damage: what is lost, in one line; or nothing.
+    """
+
+    frames: Frames
+    stored: int
+    memories: Mapping[int, np.ndarray]
+    damage: str
+
+    @classmethod
+    def of(cls, source: Path, root: Any, about: Mapping[str, Any], outline: Outline) -> "Known":
+        """Read a store, as far as it is whole.
+
+        Raises:
+            ValueError: if not even the first frame is.
+        """
+        layout, nodes = outline.layout, len(outline.nodes)
+        wanted = committed(root)
+        states = [f"fields/{name}/{key}" for name in layout.fields for key in ("value", "momentum")]
+        names = ["time", "step", *states, *(["work"] if "work" in root else [])]
+        read = {name: _prefix(source, root, name, wanted) for name in names if wanted}
+        count = min((len(values) for values in read.values()), default=0)
+        short = [name for name, values in read.items() if len(values) == count]
+        damage = f"{short[0]} is whole for {count} of {wanted} frames only" if count < wanted else ""
+        if count < wanted and not count:
+            raise ValueError(damage)
+        frames = Frames(
+            times=read["time"][:count].astype(float) if wanted else np.zeros(0),
+            steps=read["step"][:count].astype(np.int64) if wanted else np.zeros(0, dtype=np.int64),
+            values=np.zeros((count, nodes, layout.rows)),
+            momenta=np.zeros((count, nodes, layout.dofs)),
+            origin=float(about["origin"]),
+            h=float(about["dt"]),
+            work=read["work"][:count] if "work" in read else None,
+        )
+        for name in layout.fields if wanted else ():
+            frames.values[..., layout.rows_of(name)] = read[f"fields/{name}/value"][:count]
+            frames.momenta[..., layout.dofs_of(name)] = read[f"fields/{name}/momentum"][:count]
+        memories = _memories(root, frames.steps)
+        if count == wanted:
+            frames, latest = _with_journal(frames, source, (nodes, layout.rows), (nodes, layout.dofs))
+            memories |= latest
+        if not len(frames.times):
+            raise ValueError("it has no frame")
+        last = len(frames.times) - 1
+        frames = _remembering(frames, memories.get(last))
+        if damage:
+            warnings.warn(f"{source} is damaged: {damage}; the whole ones were opened", DamageWarning, stacklevel=4)
+        return cls(frames, count, memories, damage)
+
+
+def committed(root: Any) -> int:
+    """Number of frames whose states are complete in the arrays."""
+    if "checkpoint" in root:
+        return int(root["checkpoint"].attrs["frames"])
+    return int(root["time"].shape[0])
+
+
+def observed(root: Any) -> int:
+    """Number of frames of which everything was observed."""
+    return int(root["checkpoint"].attrs["observed"]) if "checkpoint" in root else committed(root)
+
+
+def _prefix(source: Path, root: Any, name: str, count: int) -> np.ndarray:
+    """The first entries of an array that can be read, at most count."""
+    array = root[name]
+    if array.shape[0] < count:
+        count = int(array.shape[0])
+    length = array.chunks[0]
+    inner = "/".join("0" for _ in array.shape[1:])
+    found = []
+    for k in range(-(-count // length)):
+        if not (source / name / "c" / str(k) / inner).exists():
+            break
+        try:
+            found.append(np.asarray(array[k * length : min((k + 1) * length, count)]))
+        except Exception:  # what a broken chunk raises differs by how it is broken
+            break
+    return np.concatenate(found) if found else np.zeros((0, *array.shape[1:]))
+
+
+def _memories(root: Any, steps: np.ndarray) -> dict[int, np.ndarray]:
+    """What is remembered at some frames, by their number."""
+    found: dict[int, np.ndarray] = {}
+    if "memory" in root and len(steps):
+        found[len(steps) - 1] = np.array(root["memory"][...])
+    if "checkpoint" in root and all(name in root["checkpoint"] for name in ("memory", "step")):
+        group = root["checkpoint"]
+        for k, step in enumerate(np.asarray(group["step"][...])):
+            frame = int(np.searchsorted(steps, step))
+            if frame < len(steps) and steps[frame] == step and k < group["memory"].shape[0]:
+                found[frame] = np.array(group["memory"][k])
+    return found
+
+
+def _with_journal(
+    frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int]
+) -> tuple[Frames, dict[int, np.ndarray]]:
+    """Frames with those of the journal behind them, and what is remembered at some of these."""
+    first, memories, more = len(frames.times), {}, []
+    last = int(frames.steps[-1]) if first else -1
+    for entry in journal.read(folder):
+        if entry.tag == journal.FRAME and entry.step > last:
+            more.append(entry)
+            last = entry.step
+        elif entry.tag == journal.MEMORY and entry.step == last:
+            memories[first + len(more) - 1] = entry.numbers.copy()
+    if not more:
+        return frames, memories
+    split = values[0] * values[1], values[0] * values[1] + momenta[0] * momenta[1]
+    pieces = [np.split(entry.numbers, split) for entry in more]
+    steps = np.concatenate([frames.steps, np.array([entry.step for entry in more], dtype=np.int64)])
+    work = [piece[2].reshape(-1, 2) for piece in pieces]
+    has_work = frames.work is not None or (not first and work[0].size > 0)
+    before = np.zeros((0, *work[0].shape)) if frames.work is None else frames.work
+    return Frames(
+        times=frames.origin + steps * frames.h,
+        steps=steps,
+        values=np.concatenate([frames.values, [piece[0].reshape(values) for piece in pieces]]),
+        momenta=np.concatenate([frames.momenta, [piece[1].reshape(momenta) for piece in pieces]]),
+        origin=frames.origin,
+        h=frames.h,
+        work=np.concatenate([before, work]) if has_work else None,
+    ), memories
+
+
+def _remembering(frames: Frames, memory: np.ndarray | None) -> Frames:
+    return replace(frames, memory=memory)

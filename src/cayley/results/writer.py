@@ -1,0 +1,235 @@
+"""A run that is written while it runs: whole chunks of frames into a Zarr store, the last ones into a journal."""
+
+import os
+import queue
+import shutil
+import threading
+import uuid
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cayley.model import Model
+from cayley.results.append import append_frames, append_observed, check_replaceable, chunk_frames, plain, put
+from cayley.results.frames import Frames
+from cayley.results.journal import FRAME, MEMORY, Journal, remove_journals
+from cayley.results.known import committed, observed
+from cayley.results.observe import observe
+from cayley.results.outline import Outline
+from cayley.system.system import System
+
+WAITING = 2
+"""Chunks of frames that may wait to be written; a run that is quicker than the disk waits, too."""
+BATCH = 256
+"""Frames that are observed together when a run ends."""
+
+
+class WriteError(OSError):
+    """The disk does not take the frames; those before are in the store."""
+
+
+class Writer:
+    """Writes frames: each into a journal at once, whole chunks into arrays, in a thread of its own.
+
+    A frame that was taken is out of reach of whatever kills the process. The arrays are complete again after every
+    chunk: the attribute "frames" of the group "checkpoint" is written last, and then the journal of the chunk goes.
+    """
+
+    def __init__(self, path: Path, outline: Outline, model: Model | None, h: float, origin: float) -> None:
+        """Begin to write behind the frames that the arrays of a store have.
+
+        Args:
+            path: the store; it is there (see begin_store).
+            outline: of the system.
+            model: the model, if there is one.
+            h: time step [s].
+            origin: time of step 0 [s].
+        """
+        import zarr
+
+        self.path, self.outline, self.model, self.h, self.origin = path, outline, model, h, origin
+        self.root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
+        self.done = committed(self.root)
+        rows = [outline.layout.rows_of(name) for name in outline.layout.fields]
+        self.chunk = chunk_frames(np.zeros((1, len(outline.nodes), max(own.stop - own.start for own in rows))))
+        self._taken = self.done
+        self._pending: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]] = []
+        self._memory: np.ndarray | None = None
+        self._failed: Exception | None = None
+        self._queue: queue.Queue[Any] = queue.Queue(WAITING)
+        remove_journals(path)
+        self._journal = Journal(path, 0)
+        self._thread = threading.Thread(target=self._work, name="cayley writer", daemon=True)
+        self._thread.start()
+
+    @property
+    def room(self) -> int:
+        """Frames until the next chunk is full; blocks of frames end there, so that memory is known at its end."""
+        return self.chunk - self._taken % self.chunk
+
+    def add(
+        self,
+        steps: np.ndarray,
+        values: np.ndarray,
+        momenta: np.ndarray,
+        work: np.ndarray | None,
+        memory: np.ndarray | None,
+    ) -> None:
+        """Take frames, at most ``room``, and what is remembered at the last of them.
+
+        Raises:
+            WriteError: if they, or earlier ones, can't be written.
+        """
+        self._raise()
+        try:
+            for k, step in enumerate(steps):
+                self._journal.add(FRAME, int(step), [values[k], momenta[k], *([] if work is None else [work[k]])])
+            if memory is not None:
+                self._journal.add(MEMORY, int(steps[-1]), [memory])
+        except OSError as error:
+            self._failed = error
+            self._raise()
+        self._pending.append((steps, values, momenta, work))
+        self._memory = memory
+        self._taken += len(steps)
+        if self._taken % self.chunk == 0:
+            self._hand_over()
+            self._journal = Journal(self.path, self._journal.number + 1)
+
+    def close(self) -> None:
+        """Write all that was taken, and end.
+
+        Raises:
+            WriteError: if it could not be written.
+        """
+        if self._failed is None and self._pending:
+            self._hand_over()
+        self._queue.put(None)
+        self._thread.join()
+        self._journal.close()
+        self._raise()
+        remove_journals(self.path)
+
+    def _hand_over(self) -> None:
+        """Give what is pending to the thread that writes arrays."""
+        self._queue.put((self._pending, self._memory, self._journal))
+        self._pending = []
+
+    def _raise(self) -> None:
+        if self._failed is not None:
+            raise WriteError(
+                f"{self.path} can't be written ({self._failed}); all but the last frames are there: make room and go "
+                "on with `cayley resume` or Trajectory.resume"
+            ) from self._failed
+
+    def _work(self) -> None:
+        while (item := self._queue.get()) is not None:
+            if self._failed is not None:
+                continue
+            pending, memory, own = item
+            try:
+                self._flush(pending, memory)
+                own.close(remove=True)
+            except Exception as error:  # told by add and close, in the thread that runs
+                self._failed = error
+
+    def _flush(self, pending: Sequence[Any], memory: np.ndarray | None) -> None:
+        """Write frames to the arrays, and then that they are there."""
+        steps, values, momenta = (np.concatenate([block[k] for block in pending]) for k in range(3))
+        works = [block[3] for block in pending if block[3] is not None]
+        frames = Frames(
+            times=self.origin + steps * self.h,
+            steps=steps,
+            values=values,
+            momenta=momenta,
+            origin=self.origin,
+            h=self.h,
+            work=np.concatenate(works) if works else None,
+        )
+        append_frames(self.root, self.outline, frames, self.model, self.done)
+        group = self.root["checkpoint"]
+        if memory is not None:
+            start = group["step"].shape[0] if "step" in group else 0
+            put(group, {"memory": (None, memory.reshape(1, -1))}, ("checkpoint", "row"), start=start)
+            put(group, {"step": ("1", steps[-1:])}, ("checkpoint",), start=start)
+        self.done += len(steps)
+        group.attrs["frames"] = self.done
+
+
+def begin_store(
+    path: Path, outline: Outline, about: Mapping[str, Any], info: Mapping[str, Any], *, overwrite: bool = False
+) -> None:
+    """Make a store without frames.
+
+    Raises:
+        FileExistsError: if something is there; with overwrite, something that is no run.
+    """
+    import zarr
+
+    if path.exists():
+        check_replaceable(path, overwrite=overwrite)
+        old = path.with_name(f".{path.name}.{uuid.uuid4().hex}.old")
+        os.replace(path, old)
+        shutil.rmtree(old, ignore_errors=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    root = zarr.create_group(path, zarr_format=3, attributes=dict(about) | {"info": plain(info)})
+    put(root, {"nodes": ("m", outline.nodes)}, ("node",))
+    root.create_group("checkpoint", attributes={"frames": 0, "observed": 0})
+
+
+def rewind(path: Path, frames: Frames, outline: Outline, model: Model | None, count: int) -> None:
+    """Make a store end at the first ``count`` of its frames, those of its journal among them."""
+    import zarr
+
+    root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
+    if "checkpoint" not in root:
+        root.create_group("checkpoint", attributes={"frames": committed(root), "observed": committed(root)})
+    group, known = root["checkpoint"], committed(root)
+    if count > known:
+        some = slice(known, count)
+        late = Frames(
+            times=frames.times[some],
+            steps=frames.steps[some],
+            values=frames.values[some],
+            momenta=frames.momenta[some],
+            origin=frames.origin,
+            h=frames.h,
+            work=None if frames.work is None else frames.work[some],
+        )
+        append_frames(root, outline, late, model, known)
+    group.attrs["frames"] = count
+    group.attrs["observed"] = min(count, int(group.attrs["observed"]))
+
+
+def finish(path: Path, system: System, outline: Outline, info: Mapping[str, Any]) -> None:
+    """Observe the frames of which nothing was observed yet, some at a time, and write facts of the run."""
+    import zarr
+
+    root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
+    layout, group = outline.layout, root["checkpoint"]
+    for first in range(observed(root), committed(root), BATCH):
+        some = slice(first, min(first + BATCH, committed(root)))
+        frames = Frames(
+            times=np.asarray(root["time"][some]),
+            steps=np.asarray(root["step"][some]),
+            values=_fields(root, layout, "value", layout.rows, some),
+            momenta=_fields(root, layout, "momentum", layout.dofs, some),
+            origin=float(root.attrs["origin"]),
+            h=float(root.attrs["dt"]),
+            work=np.asarray(root["work"][some]) if "work" in root else None,
+        )
+        append_observed(root, outline, observe(system, frames), first)
+        group.attrs["observed"] = some.stop
+    before = dict(root.attrs["info"])
+    spent = {"wall_time": float(before.get("wall_time", 0.0)) + float(info["wall_time"])}
+    root.attrs["info"] = plain(before | dict(info) | spent)
+
+
+def _fields(root: Any, layout: Any, key: str, width: int, some: slice) -> np.ndarray:
+    found = np.zeros((some.stop - some.start, root["nodes"].shape[0], width))
+    for name in layout.fields:
+        own = layout.rows_of(name) if key == "value" else layout.dofs_of(name)
+        found[..., own] = root[f"fields/{name}/{key}"][some]
+    return found

@@ -1,0 +1,59 @@
+"""Go on with a run in its store, as if it had never stopped."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from cayley.choice.pilot import stepper_of
+from cayley.model import Model
+from cayley.results.store import known_of
+from cayley.results.trajectory import Trajectory
+from cayley.results.writer import rewind
+from cayley.simulation.run import run
+from cayley.simulation.saves import Saves, positive
+from cayley.steppers import decoupled_run
+from cayley.system.system import System
+
+
+def resume(
+    path: str | Path,
+    t_end: float | None = None,
+    *,
+    model: Model | None = None,
+    system: System | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Go on with the run in a store: bit for bit what it would have been without the stop.
+
+    It begins at the last frame that is whole and, of rules that remember the step before, at the last one of which that
+    is known; frames behind it are run again. Saves are those of the run.
+
+    Args:
+        path: the store, written by simulate(..., store=path) or Trajectory.save; killed, full or cut off as may be.
+        t_end: end of the run [s]; that which was asked for without it.
+        model: the model that ran; needed where loads or motions are functions, which no store holds.
+        system: the compiled system, of a run of a Lagrangian of your own.
+        progress: called with (fraction done, time [s]) now and then.
+
+    Returns: the Trajectory of the whole run.
+
+    Raises:
+        FileNotFoundError: if there is no store.
+        ValueError: if it is no run, has no whole frame, or t_end is not behind what it has.
+    """
+    source = Path(path)
+    before = Trajectory.open(source, model=model)
+    info = before.info
+    until = positive("t_end", info.get("t_end", 0.0) if t_end is None else t_end, "s")
+    if before.time[-1] >= until * (1.0 - 1e-12) and "damage" not in info:
+        raise ValueError(f"{source} has a run up to t = {before.time[-1]:g} s; give a later t_end (cayley: --until)")
+    compiled = before.system if system is None else system
+    known = known_of(source)
+    remembers = stepper_of(compiled) is not decoupled_run
+    last = max(known.memories, default=0) if remembers else len(known.frames.times) - 1
+    state = replace(known.frames.state(last), memory=known.memories.get(last))
+    rewind(source, known.frames, before.outline, before.model, last + 1)
+    saves = Saves(every=info.get("save_every"), steps=info.get("save_steps"), at=info.get("save_at"), store=source)
+    options: dict[str, Any] = {"model": before.model, "parts": before._parts, "progress": progress}
+    return run(compiled, state, until, None, saves, **options, resumed=True)
