@@ -22,7 +22,11 @@ TWINS = {
     "benchmarks": "benchmarks/README.md",
 }
 """Pages of the site that are documents elsewhere in the repository."""
-INSTEAD = {ROOT / "README.md": DOCS / "index.md", DOCS / "adr": DOCS / "decisions.md"}
+INSTEAD = {
+    ROOT / "README.md": DOCS / "index.md",
+    ROOT / "examples": DOCS / "gallery" / "index.rst",
+    DOCS / "adr": DOCS / "decisions.md",
+}
 """What has no page of its own, and the page that says the same."""
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -159,7 +163,7 @@ def target(link: str, home: Path, here: Path) -> str:
     path = (home / link).resolve()
     twin = next((ABOUT / f"{name}.md" for name, other in TWINS.items() if path == ROOT / other), None)
     path = twin or INSTEAD.get(path, path)
-    if not (path.is_relative_to(DOCS) and path.suffix in (".md", ".png", ".svg")):
+    if not (path.is_relative_to(DOCS) and path.suffix in (".md", ".rst", ".png", ".svg")):
         return f"source:{path.relative_to(ROOT).as_posix()}" if path.exists() else link
     return Path(os.path.relpath(path, here)).as_posix()
 
