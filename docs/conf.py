@@ -45,11 +45,12 @@ napoleon_custom_sections = [("Attributes", "params_style")]
 napoleon_use_rtype = False
 
 sphinx_gallery_conf = {
-    "examples_dirs": [str(folder) for folder in staging.stage()],
+    "examples_dirs": [str(staging.stage())],
     "gallery_dirs": ["gallery"],
     "filename_pattern": r"\.py$",  # run them all
     "ignore_pattern": r"__init__",
     "within_subsection_order": "ExampleTitleSortKey",
+    "thumbnail_size": (400, 260),
     "abort_on_example_error": True,
     "reset_modules": (staging.figure_style,),
     "show_memory": False,

@@ -1,4 +1,4 @@
-"""A helical spring let go under its own weight, against the formula of spring makers: one curved rod, nothing else.
+"""A helical spring: let go under its own weight, against the formula of spring makers; one curved rod, nothing else.
 
 The wire's axis is a function, its shape without stress; `Rod.along` finds the length, puts frames on it that do not
 twist, and the rod is at rest until the weight acts. As a spring of the rate k = G d⁴/(8 D³ n) and the mass m it is a

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,21 +10,79 @@ EXAMPLES = DOCS.parent / "examples"
 STAGED = DOCS / "_staged" / "examples"
 
 
-def stage() -> list[Path]:
-    """Copy the examples with their headers; files that did not change keep their time, so they are not run again."""
-    wanted = {
-        STAGED / path.relative_to(EXAMPLES): path for path in EXAMPLES.rglob("*") if path.suffix in (".py", ".rst")
-    }
+SECTIONS: dict[str, tuple[str, ...]] = {
+    "Rods at rest": (
+        "catenary",
+        "curling_strip",
+        "locking",
+        "roll_up",
+        "bend_45",
+        "elastica",
+        "princeton",
+        "composite",
+        "twisted",
+        "helix",
+        "steady_spin",
+        "buckled_rod",
+    ),
+    "Rods in motion": (
+        "rubber_pendulum",
+        "paper_beam",
+        "helical_spring",
+        "flying_spaghetti",
+        "falling_spring",
+        "whip",
+        "cable_in_flow",
+        "tendon_finger",
+        "rotating_blade",
+        "kinematics",
+    ),
+    "Bodies and joints": (
+        "frame_and_weight",
+        "double_pendulum",
+        "slider_crank",
+        "four_bar",
+        "kapitza",
+        "free_body",
+    ),
+    "Lagrangians of your own": (
+        "heavy_top",
+        "own_density_string",
+        "inextensible_chain",
+        "own_constraint",
+        "kepler",
+    ),
+    "Runs and rules": ("orders", "energy_balance", "restart", "sweep"),
+}
+"""What stands together in the gallery, by the names of the scripts without "plot_"; all others come last."""
+HEAD = """Gallery
+=======
+
+Every example is a script in the folder ``examples`` of the repository. It runs in seconds, checks its own numbers, and
+is one of the tests.
+"""
+
+
+def stage() -> Path:
+    """Copy the examples by section; files that did not change keep their time, so they are not run again."""
+    scripts = {path.stem.removeprefix("plot_"): path for path in sorted(EXAMPLES.rglob("*.py"))}
+    known = {name for names in SECTIONS.values() for name in names}
+    sections = {**SECTIONS, "More": tuple(name for name in scripts if name not in known)}
+    wanted = {STAGED / "GALLERY_HEADER.rst": HEAD}
+    for k, (title, names) in enumerate(sections.items()):
+        here, found = STAGED / f"{k + 1}", [name for name in names if name in scripts]
+        texts = {here / f"{name}.py": titled(scripts[name].read_text(encoding="utf-8")) for name in found}
+        heading = {here / "GALLERY_HEADER.rst": f"{title}\n{'-' * len(title)}\n"}
+        wanted |= {**texts, **heading} if found else {}
     for old in [path for path in STAGED.rglob("*") if path.is_file() and path not in wanted]:
         old.unlink()
-    for target, path in wanted.items():
-        text = path.read_text(encoding="utf-8")
-        text = titled(text) if path.suffix == ".py" else text
+    for target, text in wanted.items():
         target.parent.mkdir(parents=True, exist_ok=True)
         if not target.exists() or target.read_text(encoding="utf-8") != text:
             target.write_text(text, encoding="utf-8")
-            shutil.copystat(path, target)
-    return [STAGED]
+    for empty in [folder for folder in STAGED.iterdir() if folder.is_dir() and not any(folder.iterdir())]:
+        empty.rmdir()
+    return STAGED
 
 
 def titled(source: str) -> str:

@@ -25,7 +25,7 @@ def rest_at(turn, supports):
 
 
 # %%
-# One end held: circles, without stress.
+# One end held: circles, without stress. Both ends held: no motion, and a moment.
 figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.6), layout="constrained")
 turns = np.linspace(0, 2 * np.pi, 7)
 largest = 0.0
@@ -37,7 +37,6 @@ for turn in turns:
 left.set(xlabel="x [cm]", ylabel="z [cm]", aspect="equal", title="held at one end: curls, without stress")
 left.legend(fontsize=7)
 
-# %%
 # Both ends held: it stays straight, and the moment is EI Ω⁰ everywhere.
 both = [clamp, cy.supports.clamp(strip.end)]
 moments = [float(np.abs(rest_at(turn, both)[strip].moment.values[:, 0]).max()) for turn in turns[:4]]

@@ -19,7 +19,7 @@ offset = 8e-3  # m, along d1
 bending, stretching = section.stiffness[4, 4], section.stiffness[2, 2]
 
 # %%
-# Equilibria for rising tension: circles, without gravity.
+# Left: equilibria for rising tension, circles, without gravity. Right: a run with weight and damping.
 figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.6), layout="constrained", width_ratios=(1.2, 1))
 errors = []
 for tension in (0.0, 2.0, 4.0, 8.0, 12.0):
@@ -31,7 +31,6 @@ for tension in (0.0, 2.0, 4.0, 8.0, 12.0):
 left.set(xlabel="x [cm]", ylabel="z [cm]", aspect="equal", title="pulled by the tendon, without weight")
 left.legend(title="tension", fontsize=7)
 
-# %%
 # Pulled in half a second, with the damping of the material: the tip swings in.
 soft = cy.Rod(
     section,

@@ -49,7 +49,6 @@ for node, name in ((6, "near the handle"), (30, "middle"), (54, "nine tenths"), 
     right.plot(run.time, v[:, node], label=name)
 right.set(xlabel="time [s]", ylabel="speed [m/s]")
 right.legend(fontsize=7)
-hand = np.radians(200) * 1.875 / 0.25 * 0.1 * LENGTH  # of a stiff rod, a tenth along, at its fastest
 print(f"fastest tip {v[:, -1].max():.0f} m/s, near the handle at most {v[:, 6].max():.1f} m/s")
 assert v[:, -1].max() > 5 * v[:, 6].max()
 plt.show()
