@@ -52,6 +52,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "ExampleTitleSortKey",
     "thumbnail_size": (400, 260),
     "abort_on_example_error": True,
+    "image_scrapers": ("matplotlib", staging.bare_figure),
     "reset_modules": (staging.figure_style,),
     "show_memory": False,
     "plot_gallery": "True",

@@ -31,7 +31,22 @@ INSTEAD = {
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Models": ("Material", "Section", "Rod", "Body", "PointMass", "ground", "Model"),
-    "Running": ("simulate", "equilibrium", "Equilibrium", "Trajectory", "SimulationError", "EquilibriumError"),
+    "Running": (
+        "simulate",
+        "resume",
+        "Trajectory",
+        "equilibrium",
+        "Equilibrium",
+        "modes",
+        "Modes",
+        "trace",
+        "Path",
+        "SimulationError",
+        "Interrupted",
+        "WriteError",
+        "DamageWarning",
+        "EquilibriumError",
+    ),
     "Lagrangians": (
         "lagrangian",
         "Lagrangian",
@@ -69,7 +84,8 @@ def reference() -> dict[Path, str]:
     """The pages of the API: one for each group of names and for each family, and their list."""
     grouped = {name for names in GROUPS.values() for name in names}
     rest = [n for n in cayley.__all__ if n not in grouped and n not in cayley._MODULES and not n.startswith("__")]
-    groups = {**GROUPS, **({"More": tuple(rest)} if rest else {})}
+    groups = {title: tuple(n for n in names if n in cayley.__all__) for title, names in GROUPS.items()}
+    groups |= {"More": tuple(rest)} if rest else {}
     pages = {slug(title): _group_page(title, names) for title, names in groups.items()}
     pages |= {name: _family_page(name) for name in cayley._MODULES}
     return {API / f"{name}.rst": text for name, text in pages.items()} | {API / "index.rst": _list(groups)}

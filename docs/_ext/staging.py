@@ -106,6 +106,21 @@ def titled(source: str) -> str:
     return f'"""\n{heading}{rest.rstrip()}\n"""\n{code}\n'
 
 
+def bare_figure(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
+    """Save what an example calls `figure`, if pyplot does not know it: figures of cayley.report."""
+    from matplotlib.figure import Figure
+    from sphinx_gallery.scrapers import figure_rst
+
+    figure = block_vars["example_globals"].get("figure")
+    if not isinstance(figure, Figure) or figure.canvas.manager is not None or hasattr(figure, "in_gallery"):
+        return ""
+    path = next(block_vars["image_path_iterator"])
+    figure.savefig(path, dpi=110)
+    figure.in_gallery = True  # type: ignore[attr-defined]
+    text: str = figure_rst([path], gallery_conf["src_dir"])
+    return text
+
+
 def figure_style(gallery_conf: dict[str, Any], fname: str) -> None:
     """Figures look like those of the reports."""
     import matplotlib as mpl

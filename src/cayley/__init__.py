@@ -36,6 +36,8 @@ _HOMES = {
     "Interrupted": "simulation",
     "WriteError": "simulation",
     "DamageWarning": "results.known",
+    "export": "results.export",
+    "cite": "report.cite",
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
@@ -102,6 +104,8 @@ if TYPE_CHECKING:
     from cayley.model import loads as loads
     from cayley.model import springs as springs
     from cayley.model import supports as supports
+    from cayley.report.cite import cite as cite
+    from cayley.results.export import export as export
     from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory
     from cayley.simulation import Interrupted as Interrupted

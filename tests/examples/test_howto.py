@@ -4,6 +4,7 @@ Blocks marked `python` run; those of other programs are marked `py`. A block wit
 """
 
 import doctest
+import logging
 import re
 import runpy
 from pathlib import Path
@@ -42,6 +43,8 @@ def test_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "page.py"
     path.write_text("\n".join(plain), encoding="utf-8")
+    handlers, level = list(logging.root.handlers), logging.root.level
     names = runpy.run_path(str(path))
+    logging.root.handlers, logging.root.level = handlers, level  # a page may turn on messages
     plt.close("all")
     assert np.isfinite(names["run"].energy).all() if "run" in names else names

@@ -15,6 +15,11 @@ app = typer.Typer(
 )
 
 
+Report = Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML report.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object instead of tables.")]
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         import cayley
@@ -43,16 +48,113 @@ def run(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
     ] = None,
-    report: Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML report.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    report: Report = True,
+    quiet: Quiet = False,
+    as_json: AsJson = False,
 ) -> None:
     """Run a scenario: results as a Zarr store, a table of conserved quantities, an HTML report.
 
-    Exit codes: 0 done, 2 something is wrong with the input, 3 the run stopped on the way.
-    """
-    from cayley.cli.execute import execute
+    Exit codes: 0 done, 2 something is wrong with the input, 3 the run stopped on the way, 130 stopped by hand.
 
-    raise typer.Exit(execute(scenario, out=out, report=report, quiet=quiet))
+    Example: cayley run leitz2014 --out runs/first
+    """
+    from cayley.cli.execute import Wanted, execute
+
+    raise typer.Exit(execute(scenario, out=out, wanted=Wanted(report, quiet, as_json)))
+
+
+@app.command()
+def resume(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where `cayley run` wrote, or a store NAME.zarr.")],
+    until: Annotated[
+        float | None,
+        typer.Option(metavar="TIME", help="End of the run [s]; that which was asked for.", show_default=False),
+    ] = None,
+    report: Report = True,
+    quiet: Quiet = False,
+    as_json: AsJson = False,
+) -> None:
+    """Go on with a run that was killed, stopped by Ctrl-C or is to be longer, as if it had never stopped.
+
+    Exit codes: as of `cayley run`.
+
+    Example: cayley resume runs/leitz2014 --until 5
+    """
+    from cayley.cli.execute import Wanted
+    from cayley.cli.resume import resume
+
+    raise typer.Exit(resume(folder, until=until, wanted=Wanted(report, quiet, as_json)))
+
+
+@app.command()
+def check(
+    scenario: Annotated[str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of one.")],
+    as_json: AsJson = False,
+) -> None:
+    """Check a scenario without running it, and print its model.
+
+    Exit codes: 0 nothing is wrong, 2 something is; one line for each problem.
+
+    Example: cayley check mast.toml
+    """
+    from cayley.cli.files import check
+
+    raise typer.Exit(check(scenario, as_json=as_json))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scenario files, for editors that complete and check TOML.
+
+    Example: cayley schema > cayley.schema.json
+    """
+    from cayley.cli.files import schema_text
+
+    typer.echo(schema_text())
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of the file NAME.toml to be made.")],
+    template: Annotated[
+        str, typer.Option(metavar="WORD", help="cantilever, pendulum, assembly, or a shipped scenario.")
+    ] = "cantilever",
+) -> None:
+    """Make a scenario file to begin with.
+
+    Example: cayley new mast --template assembly
+    """
+    from cayley.cli.files import new
+
+    raise typer.Exit(new(name, template))
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where `cayley run` wrote, or a store NAME.zarr.")],
+    kind: Annotated[str, typer.Option("--to", metavar="KIND", help="csv, netcdf or vtk.")] = "csv",
+    out: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="Where it goes; DIR/KIND if not given.", show_default=False)
+    ] = None,
+) -> None:
+    """Write a run for other programs: tables (csv), one file with a group for each part (netcdf), ParaView (vtk).
+
+    Example: cayley export runs/leitz2014 --to vtk
+    """
+    from cayley.cli.files import export
+
+    raise typer.Exit(export(folder, kind, out))
+
+
+@app.command()
+def doctor() -> None:
+    """Say what this installation is, and whether it works: versions, processor, compiled engine, a small run.
+
+    Exit codes: 0 all is well, 1 something is not.
+    """
+    from cayley.cli.doctor import doctor
+
+    raise typer.Exit(doctor())
 
 
 @app.command()
@@ -79,9 +181,46 @@ def advise(
 
 
 @app.command()
-def cite() -> None:
-    """Print how to cite the library and the paper it began with."""
-    from cayley.report.cite import citation
+def sweep(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=V1,V2,...", help="Values of a key; given several times, all combinations."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Where results go; runs/NAME_sweep if not given.", show_default=False),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes; one for each processor.", show_default=False)
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario with many values of some of its keys: a table of outcomes and a store for each.
 
-    for reference in citation():
-        typer.echo(reference)
+    Exit codes: 0 done, 2 something is wrong with the input, 3 a run stopped on the way.
+
+    Example: cayley sweep rubber_pendulum --set material.rubber.youngs_modulus=1e6,5e6 --set run.t_end=1
+    """
+    from cayley.cli.execute import Wanted
+    from cayley.cli.sweep import sweep
+
+    raise typer.Exit(sweep(scenario, settings or [], out=out, workers=workers, wanted=Wanted(quiet=quiet)))
+
+
+@app.command()
+def cite(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(metavar="[DIR]", help="A run: BibTeX of the methods it used.", show_default=False),
+    ] = None,
+) -> None:
+    """Print how to cite the library and the paper it began with; of a run, BibTeX of the methods it used.
+
+    Example: cayley cite runs/leitz2014 > methods.bib
+    """
+    from cayley.cli.files import cite
+
+    raise typer.Exit(cite(folder))

@@ -91,6 +91,16 @@ def load(source: str | Path) -> Scenario:
     Raises:
         ScenarioError: the file is missing or something in it is wrong; one line for each problem.
     """
+    text, name = source_text(source)
+    return parse(text, name=name, file=str(source))
+
+
+def source_text(source: str | Path) -> tuple[str, str]:
+    """The text of a scenario, and its name.
+
+    Raises:
+        ScenarioError: there is no such file, or it is no text.
+    """
     name = str(source)
     file: Path | Traversable = Path(source)
     if not file.is_file():
@@ -107,7 +117,7 @@ def load(source: str | Path) -> Scenario:
         raise ScenarioError(name, [f"cannot be read: {error.strerror}"]) from None
     except UnicodeDecodeError as error:
         raise ScenarioError(name, [f"is no text in UTF-8 (byte {error.start}); allowed: a TOML file"]) from None
-    return parse(text, name=file.name.removesuffix(".toml"), file=name)
+    return text, file.name.removesuffix(".toml")
 
 
 def parse(text: str, *, name: str, file: str) -> Scenario:

@@ -38,6 +38,11 @@ def _lanes_of(features: str) -> int:
     return 8 if known.issuperset(LEVELS[8]) else 4
 
 
+def host_name() -> str:
+    """Name of the processor, as the compiler calls it."""
+    return _host()[0]
+
+
 def host_key() -> str:
     """Text that changes with the processor and the compiler."""
     return "|".join([llvmlite.__version__, str(llvm.llvm_version_info), llvm.get_default_triple(), *_host()])

@@ -12,7 +12,7 @@ from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
-from cayley.system.system import System, by_node, pack
+from cayley.system.system import State, System, by_node, pack
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +90,21 @@ def observe(system: System, frames: Frames) -> Observations:
     )
 
 
+def energy_of(system: System, state: State) -> float:
+    """Total energy of a state [J]."""
+    frames = Frames(
+        times=np.array([state.time]),
+        steps=np.array([state.step]),
+        values=state.values[None],
+        momenta=state.momenta[None],
+        origin=state.origin,
+        h=state.h,
+        work=None if state.work is None else state.work[None],
+    )
+    seen = observe(system, frames)
+    return float(seen.kinetic[0] + seen.strain[0] + seen.load[0])
+
+
 def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Complete the forces that the kernel observes: "left", "right", "load", and "point" on nodes alone.
 
@@ -130,4 +145,4 @@ def _add_ends(system: System, total: np.ndarray, ends: np.ndarray) -> None:
         total[:, starts + end] += ends[:, starts, end]
 
 
-__all__ = ["Frames", "Observations", "observe"]
+__all__ = ["Frames", "Observations", "energy_of", "observe"]

@@ -298,6 +298,18 @@ class Trajectory:
 
         save(self, path, overwrite=overwrite)
 
+    def export(self, kind: str, target: str | Path) -> list[Path]:
+        """Write the run for other programs: "csv", "netcdf" or "vtk"; see cayley.results.export.
+
+        Returns: the files to open.
+
+        Raises:
+            ValueError: the kind is unknown, the run is of no model, or the extra "export" is not installed.
+        """
+        import cayley
+
+        return cayley.export(self, kind, target)
+
     @classmethod
     def open(cls, path: str | Path, *, model: Model | None = None) -> "Trajectory":
         """Read a run from a Zarr store; all numbers are those of the run, bit for bit.

@@ -179,6 +179,14 @@ def begin_store(
     root.create_group("checkpoint", attributes={"frames": 0, "observed": 0})
 
 
+def add_info(path: Path, info: Mapping[str, Any]) -> None:
+    """Write more facts of a run into its store."""
+    import zarr
+
+    root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
+    root.attrs["info"] = plain(dict(root.attrs["info"]) | dict(info))
+
+
 def rewind(path: Path, frames: Frames, outline: Outline, model: Model | None, count: int) -> None:
     """Make a store end at the first ``count`` of its frames, those of its journal among them."""
     import zarr

@@ -15,7 +15,7 @@ from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.model.loads import Gravity
 from cayley.results.trajectory import Trajectory
-from cayley.results.writer import WriteError
+from cayley.results.writer import WriteError, add_info
 from cayley.simulation.failure import Interrupted, SimulationError
 from cayley.simulation.restart import resume
 from cayley.simulation.run import run as _run
@@ -50,6 +50,7 @@ def simulate(
     balance: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
+    watch: Callable[[System, State], None] | None = None,
 ) -> Trajectory:
     """Run a model from its reference configuration, or from what ``start`` or ``initial`` say.
 
@@ -76,6 +77,7 @@ def simulate(
             Lagrangian it is kept anyway.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
+        watch: called with the system and its state then.
 
     Returns: the Trajectory.
 
@@ -101,7 +103,7 @@ def simulate(
     def run(rule: Rule, dt: float | None, attempt: int = 0) -> Trajectory:
         system, state = begin(rule)
         parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
-        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress}
+        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress, "watch": watch}
         again = replace(saves, overwrite=saves.overwrite or attempt > 0)
         return _run(system, state, t_end, dt, again, **options, model=model, parts=parts)
 
@@ -149,6 +151,7 @@ def integrate(
     overwrite: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
+    watch: Callable[[System, State], None] | None = None,
 ) -> Trajectory:
     """Run a compiled Lagrangian from given fields and velocities.
 
@@ -169,6 +172,7 @@ def integrate(
         overwrite: replace a run that is at store.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
+        watch: called with the system and its state then.
 
     Returns: the Trajectory.
 
@@ -188,7 +192,8 @@ def integrate(
 
     def run(rule: Rule, dt: float | None, attempt: int = 0) -> Trajectory:
         again = replace(saves, overwrite=saves.overwrite or attempt > 0)
-        return _run(system, state, t_end, dt, again, allow_unstable=allow_unstable, progress=progress)
+        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress, "watch": watch}
+        return _run(system, state, t_end, dt, again, **options)
 
     rule = system.equations.rule
     if accuracy is None:
@@ -254,7 +259,10 @@ def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float, i
             task = replace(task, whole=True, limits={**task.limits, best.rule: 0.5 * best.dt})
         else:
             break
-    trajectory.info |= {"error_estimate": best.error, "why": choice.why + told}
+    chosen = {"error_estimate": best.error, "why": choice.why + told}
+    trajectory.info |= chosen
+    if trajectory.path is not None:
+        add_info(trajectory.path, chosen)
     return trajectory
 
 

@@ -13,7 +13,7 @@ from cayley.results.writer import rewind
 from cayley.simulation.run import run
 from cayley.simulation.saves import Saves, positive
 from cayley.steppers import decoupled_run
-from cayley.system.system import System
+from cayley.system.system import State, System
 
 
 def resume(
@@ -23,6 +23,7 @@ def resume(
     model: Model | None = None,
     system: System | None = None,
     progress: Callable[[float, float], None] | None = None,
+    watch: Callable[[System, State], None] | None = None,
 ) -> Trajectory:
     """Go on with the run in a store: bit for bit what it would have been without the stop.
 
@@ -35,6 +36,7 @@ def resume(
         model: the model that ran; needed where loads or motions are functions, which no store holds.
         system: the compiled system, of a run of a Lagrangian of your own.
         progress: called with (fraction done, time [s]) now and then.
+        watch: called with the system and its state then.
 
     Returns: the Trajectory of the whole run.
 
@@ -55,5 +57,5 @@ def resume(
     state = replace(known.frames.state(last), memory=known.memories.get(last))
     rewind(source, known.frames, before.outline, before.model, last + 1)
     saves = Saves(every=info.get("save_every"), steps=info.get("save_steps"), at=info.get("save_at"), store=source)
-    options: dict[str, Any] = {"model": before.model, "parts": before._parts, "progress": progress}
+    options: dict[str, Any] = {"model": before.model, "parts": before._parts, "progress": progress, "watch": watch}
     return run(compiled, state, until, None, saves, **options, resumed=True)

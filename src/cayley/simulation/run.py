@@ -1,6 +1,7 @@
 """The run from one save to the next: its step, the frames it leaves, and where it stops."""
 
 import functools
+import logging
 import math
 import time as clock
 from collections.abc import Callable, Mapping
@@ -19,6 +20,8 @@ from cayley.simulation.saves import Saves, positive
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import State, System
 
+_log = logging.getLogger("cayley.run")
+
 SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
 
@@ -32,6 +35,7 @@ def run(
     *,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
+    watch: Callable[[System, State], None] | None = None,
     model: Model | None = None,
     parts: Mapping[str, slice] | None = None,
     resumed: bool = False,
@@ -46,6 +50,7 @@ def run(
         saves: when and where frames are saved.
         allow_unstable: run even with a step over the limit.
         progress: called with (fraction done, time [s]) now and then.
+        watch: called with the system and its state then.
         model: the model that the system is of, if any.
         parts: nodes of its rods by name.
         resumed: whether the store has the frames up to the start already.
@@ -72,20 +77,27 @@ def run(
             begin_store(saves.store, outline, about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite)
         store = Writer(saves.store, outline, model, begin.h, begin.origin)
     record = Record(begin, store, known=resumed)
+    facts = {"rule": str(system.equations.rule), "dt": begin.h, "nodes": system.size, "store": str(saves.store or "")}
+    _log.info(
+        "run of %s: %d steps of %.3g s from t = %.6g s", name_of(system), plan.steps, plan.h, begin.time, extra=facts
+    )
     started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
     try:
-        result = _through(plan, system, begin, record, progress)
+        result = _through(plan, system, begin, record, progress, watch)
     except KeyboardInterrupt:
         stopped = True
+    if store is not None:
+        record.close()
     info = {"wall_time": clock.perf_counter() - started, **info}
     if store is None:
         frames = record.frames(None if stopped else result.state.memory)
         trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
     else:
-        record.close()
         finish(store.path, system, store.outline, info)
         trajectory = Trajectory.open(store.path, model=model)
         trajectory.__dict__["system"] = system  # compiled already
+    ended = "stopped by hand" if stopped else result.outcome.name.lower()
+    _log.info("%s after %.3g s, t = %.6g s", ended, info["wall_time"], trajectory.time[-1], extra=facts)
     if stopped:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
@@ -99,6 +111,7 @@ def _through(
     begin: State,
     record: Record,
     progress: Callable[[float, float], None] | None,
+    watch: Callable[[System, State], None] | None,
 ) -> Result:
     """Run all strides of a plan, in calls of bounded time."""
     stepper, result = stepper_of(system), Result(Outcome.FINISHED, begin, begin.step)
@@ -113,6 +126,8 @@ def _through(
             done += count
             if progress is not None:
                 progress((result.state.step - begin.step) / plan.steps, result.state.time)
+            if watch is not None:
+                watch(system, result.state)
     return result
 
 

@@ -1,5 +1,6 @@
 """Equilibria of models, at rest or turning steadily."""
 
+import logging
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,6 +14,8 @@ from cayley.statics.newton import Solution, solve
 from cayley.statics.result import Equilibrium
 from cayley.steppers.still import Still
 from cayley.system.discretize import discretize, initial_values, spans
+
+_log = logging.getLogger("cayley.statics")
 
 ROUNDING = 10.0 * np.finfo(float).eps
 """Rounding error of stiffness, relative to the largest over its mass."""
@@ -69,6 +72,8 @@ def equilibrium(
     if start is not None and hasattr(start, "still") and start.still.multipliers.shape == still.multipliers.shape:
         still.put(values, start.still.multipliers)
     solution = solve(still, inertia=inertia, relax=relax)
+    facts = {"found": solution.found, "iterations": solution.iterations, "load_steps": solution.load_steps}
+    _log.info("equilibrium: %d corrections by %s", solution.iterations, solution.how, extra=facts)
     if not solution.found:
         raise EquilibriumError(_failure(model, still, solution, inertia))
     parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
