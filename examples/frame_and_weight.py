@@ -1,4 +1,4 @@
-"""A frame and a weight: two tubes at a right angle and a ball joint; parts, joints, damping, reactions and the energy balance.
+"""A frame and a weight: two tubes at a right angle and a ball joint; damping, reactions, energy balance.
 
 A mast is clamped at its foot, an arm welded to its top, and a weight hangs from the end of the arm. A push sets it
 swinging; the material of both tubes calms the frame. What is checked: the ball joint stays closed to
