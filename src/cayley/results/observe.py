@@ -73,10 +73,10 @@ def observe(system: System, frames: Frames) -> Observations:
         for name, own in rows.observed.items():
             part[name][k] = by_node(system, data[1:-1], own)
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
-    acting = acting_velocity(system, frames, part["velocity"])
-    nothing = np.zeros_like(acting)
+    acting, nothing = part["velocity"], np.zeros_like(part["velocity"])
     spatial, slopes, exerted = nothing, part.get("slopes", nothing), {}
     if system.equations.density.lagrangian.interval is not None:
+        acting = acting_velocity(system, frames, acting)
         exerted = _complete(system, frames, part, acting)
         if system.equations.rule.degree == 1:
             spatial = resultants(system, frames, part)
