@@ -60,6 +60,7 @@ def build(tables: schema.ScenarioTables) -> Model:
     sprung: list[Spring] = _ties(tables, "spring", spring_of, parts, found)
     _check_initial(tables, parts, found)
     _check_report(tables, found)
+    _check_trace(tables, parts, found)
     if tables.run.dt is not None and tables.run.accuracy is not None:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
@@ -262,6 +263,28 @@ def _check_report(tables: schema.ScenarioTables, found: _Found) -> None:
     for node in wanted.nodes or ():
         if not -most - 1 <= node <= most:
             found.add(("report", "nodes"), f"holds {node}; allowed: from 0 to {most}, or from -1 back to {-most - 1}")
+
+
+def _check_trace(tables: schema.ScenarioTables, parts: Mapping[str, Part], found: _Found) -> None:
+    wanted = tables.trace
+    if wanted is None:
+        return
+    numbered = [f"load #{k + 1}" for k in range(len(tables.load))]
+    moving = [getattr(tie, "name", "") for tie in (*tables.support, *tables.joint)]
+    known = [*numbered, *(name for name in moving if name)]
+    words = wanted.parameter
+    if isinstance(words, str):
+        known, words = ["time", *known], [words]
+    for word in words:
+        if word not in known:
+            found.add(("trace", "parameter"), problems.unlike(word, known))
+    low, high = sorted(wanted.range)
+    if low == high:
+        found.add(("trace", "range"), f"is {problems.shown(wanted.range)}; allowed: two different numbers in brackets")
+    elif wanted.begin is not None and not low <= wanted.begin <= high:
+        found.add(("trace", "begin"), f"is {wanted.begin:g}; allowed: a number in the range, {low:g} to {high:g}")
+    if wanted.of is not None:
+        _port(wanted.of, parts, ("trace", "of"), found)
 
 
 def _rod(name: str, rods: Mapping[str, Rod], place: Place, found: _Found) -> Rod | None:

@@ -159,6 +159,29 @@ def doctor() -> None:
 
 
 @app.command()
+def modes(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(min=1, help="Number of modes; that of the file, or 10.", show_default=False)
+    ] = None,
+    report: Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML page.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Find the modes of a scenario about its equilibrium: a table, a Zarr store, pictures, a page where they move.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+    """
+    from cayley.cli.modes import modes
+
+    raise typer.Exit(modes(scenario, out=out, count=count, report=report, quiet=quiet))
+
+
+@app.command()
 def advise(
     scenario: Annotated[
         str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
@@ -245,6 +268,25 @@ def sweep(
     from cayley.cli.sweep import sweep
 
     raise typer.Exit(sweep(scenario, settings or [], out=out, workers=workers, wanted=Wanted(quiet=quiet)))
+
+
+@app.command()
+def trace(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml", help="A scenario file with a table [trace].", show_default=False)
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Follow equilibria of a scenario along a parameter: limit and bifurcation points, a Zarr store, a diagram.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+    """
+    from cayley.cli.trace import trace
+
+    raise typer.Exit(trace(scenario, out=out, quiet=quiet))
 
 
 @app.command()

@@ -10,12 +10,14 @@ from pydantic import Discriminator, Field
 from cayley.cli import force_tables, tie_schema
 from cayley.cli.expressions import LANGUAGE
 from cayley.cli.force_tables import FORCE_TABLES, DampingTable
+from cayley.cli.modes_schema import ModesTable
 from cayley.cli.schema_base import NAME as _NAME
 from cayley.cli.schema_base import PORT as _NODE
 from cayley.cli.schema_base import Name, Table, Until, Vector
 from cayley.cli.schema_base import positive as _positive
 from cayley.cli.schema_base import vector as _vector
 from cayley.cli.tie_schema import BodyTable, JointTable, SpringTable
+from cayley.cli.trace_schema import TraceTable
 
 _AXES = 'letters out of "xyz", each once'
 _SHEAR = 'a positive number [-], two in brackets, one for each axis of the section, "cowper" or "none"'
@@ -276,13 +278,21 @@ class ScenarioTables(Table):
     load: list[LoadTable] = Field([], description="[[load]] tables")
     initial: list[InitialTable] = Field([], description="[[initial]] tables")
     run: RunTable = Field(description="a [run] table with t_end")
+    modes: ModesTable | None = Field(None, description="a [modes] table")
+    trace: TraceTable | None = Field(None, description="a [trace] table with a parameter")
     report: ReportTable | None = Field(None, description="a [report] table")
     notes: NotesTable | None = Field(None, description="a [notes] table")
 
 
 Place = tuple[str | int, ...]
 
-_ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes": NotesTable}
+_ONE: dict[str, type[Table]] = {
+    "run": RunTable,
+    "modes": ModesTable,
+    "trace": TraceTable,
+    "report": ReportTable,
+    "notes": NotesTable,
+}
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
 _MANY["body"] = BodyTable
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {

@@ -50,6 +50,8 @@ class DiscreteEquations:
         """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
+            if self.rule.strain.corners and name.startswith(("strain", "force")):
+                varying += placed(self.varying)  # both corners are in one evaluation
             if "force_point" in name:
                 self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
             elif name in POINT_PROGRAMS:
@@ -134,10 +136,10 @@ def derive(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "
             f"nodes do not decouple under the rule {rule.name}; no rule couples them there yet, write the term without"
         )
-    if density.constraints.numel() and (rule.strain.corners or rule.degree > 1):
+    if density.constraints.numel() and rule.strain.corners:
         raise ValueError(
-            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
-            f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
+            f"Lagrangian {lagrangian.name}: the rule {rule}, with its corners in space, is not there for constrained "
+            f"densities; use verlet, screw, spectral, midpoint, screw_midpoint or galerkin"
         )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")

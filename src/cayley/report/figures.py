@@ -13,10 +13,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cayley.report.conserved import Array, load_free
+from cayley.report.diagram import branches
 from cayley.report.snapshots import nearest_frames, snapshots
 from cayley.report.style import AXES, BLUE, GREEN, INK, MAP, SHADE, VERMILION, WIDTH, Drawing, style
 
-__all__ = ["along", "balance", "energy", "momenta", "over_time", "resultants", "snapshots"]
+__all__ = ["along", "balance", "branches", "energy", "momenta", "over_time", "resultants", "snapshots"]
 
 _MOST_POINTS = 1500  # of a line: more than the figure has pixels
 

@@ -161,7 +161,9 @@ class Trajectory:
     def joint(self, joint: Any) -> "xr.Dataset":
         """Force [N] and moment [N m] of a joint on its second side, in space, the moment about its place there.
 
-        Its first side has the opposite, of a joint to the ground the part.
+        Its first side has the opposite, of a joint to the ground the part. The value at a frame is that of its state,
+        by Newton's second law; where steps do not resolve how fast motions are damped, viscous forces in it are of
+        velocities that the last three steps say together (results.observe.acting_velocity).
 
         Args:
             joint: a joint, guide or drive of the model, or its name.
@@ -175,6 +177,8 @@ class Trajectory:
 
     def reaction(self, support: Any, name: str | None = None) -> "xr.Dataset":
         """Force [N] and moment [N m] by which the ground holds a part, in space, the moment about the held place.
+
+        Values are those of the state of a frame, as in joint.
 
         Args:
             support: a support, or a joint to the ground or its name; or a place, for all that holds its node to the

@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,7 +63,9 @@ class Equilibrium:
     @functools.cached_property
     def frame(self) -> Trajectory:
         """The equilibrium as a run of one frame."""
-        state = self.state
+        state, system = self.state, self.system
+        if self.still.spin is None:
+            state, system = replace(state, momenta=np.zeros_like(state.momenta)), at_rest(system)
         frames = Frames(
             times=np.array([self.time]),
             steps=np.zeros(1, dtype=np.int64),
@@ -71,9 +74,7 @@ class Equilibrium:
             origin=self.time,
             h=0.0,
         )
-        return Trajectory(
-            frames=frames, info={"wall_time": 0.0}, system=self.system, model=self.model, parts=self._parts
-        )
+        return Trajectory(frames=frames, info={"wall_time": 0.0}, system=system, model=self.model, parts=self._parts)
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name, as those of a run without the time."""
@@ -159,6 +160,11 @@ class Equilibrium:
             f"<Equilibrium: {self._kind}, {self.iterations} corrections{loads} by {self.solution.how}, "
             f"largest force left {self.residual:.1e}{free}>"
         )
+
+
+def at_rest(system: System) -> System:
+    """The system with prescribed motions that stand still: their rates and accelerations take no forces."""
+    return replace(system, joints=tuple(replace(joint, steady=True) for joint in system.joints))
 
 
 def frame_velocity(still: Still, values: np.ndarray) -> np.ndarray:

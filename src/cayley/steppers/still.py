@@ -1,6 +1,7 @@
 """Systems at rest, or in a frame that turns: forces, their derivatives and corrections, by the compiled engine."""
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -124,6 +125,15 @@ class Still:
         for cells, coupling in zip(made.plan.constraints, made.couplings, strict=True):
             if cells.drive is not None:
                 coupling["drive"][0] = cells.drive(np.full(2, time))
+
+    def set_constants(self, values: Mapping[str, float]) -> None:
+        """Give constants of the density that are equal everywhere other values, by their labels ("c.gravity[2]")."""
+        equations = self.system.equations
+        names = [name for name in equations.density.names if name not in equations.varying]
+        for cells, term in zip(self.made.plan.terms, self.made.alive[0], strict=True):
+            for k, name in enumerate(names if len(cells.uniforms) else ()):
+                if name in values:
+                    term["uniforms"][:, 1 + k] = term["light_uniforms"][:, 1 + k] = values[name]
 
     def force(self) -> np.ndarray:
         """Forces on the unknowns, and violations with the other sign (see struct problem), shape (unknowns,)."""
