@@ -41,6 +41,11 @@ _HOMES = {
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
+    "modes": "vibration",
+    "Modes": "vibration",
+    "matrices": "vibration",
+    "frequency_response": "vibration",
+    "campbell": "vibration",
     "trace": "continuation",
     "Path": "continuation",
     "buckling": "continuation",
@@ -56,6 +61,7 @@ _MODULES = {
     "springs": "model.springs",
     "densities": "density.library",
 }
+_EXTENSIONS = {"plot": ("report.plots", "Plots"), "animate": ("report.film", "film")}
 
 __all__ = ["__version__", *_HOMES, *_RENAMED, *_MODULES]
 
@@ -73,6 +79,12 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'cayley' has no attribute {name!r}")
     globals()[name] = value
     return value
+
+
+def extension(name: str) -> Any:
+    """What a layer above the results adds to a Trajectory, loaded when first used: results know no reports."""
+    module, own = _EXTENSIONS[name]
+    return getattr(importlib.import_module(f"cayley.{module}"), own)
 
 
 def __dir__() -> list[str]:
@@ -124,5 +136,10 @@ if TYPE_CHECKING:
     from cayley.statics import EquilibriumError as EquilibriumError
     from cayley.statics import equilibrium as equilibrium
     from cayley.system.compile import compile_lagrangian
+    from cayley.vibration import Modes as Modes
+    from cayley.vibration import campbell as campbell
+    from cayley.vibration import frequency_response as frequency_response
+    from cayley.vibration import matrices as matrices
+    from cayley.vibration import modes as modes
 
     compile = compile_lagrangian

@@ -61,7 +61,7 @@ def build(tables: schema.ScenarioTables) -> Model:
     _check_initial(tables, parts, found)
     _check_report(tables, found)
     _check_trace(tables, parts, found)
-    if tables.run.dt is not None and tables.run.accuracy is not None:
+    if tables.run is not None and tables.run.dt is not None and tables.run.accuracy is not None:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
     with found.at():
@@ -154,7 +154,7 @@ def _ties(tables: schema.ScenarioTables, word: str, make: Any, parts: Mapping[st
     """Joints or springs."""
     made = []
     for k, table in enumerate(getattr(tables, word)):
-        wrong = motion_problems(table, tables.run.t_end)
+        wrong = motion_problems(table, tables.t_end)
         for key, text in wrong:
             found.add((word, k, key), text)
         sides = []
@@ -174,7 +174,7 @@ def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Part], found: _F
         if port is not None:
             with found.at("support", k):
                 if not isinstance(table, (schema.HoldTable, schema.PinTable)):
-                    wrong = motion_problems(table, tables.run.t_end)
+                    wrong = motion_problems(table, tables.t_end)
                     for key, text in wrong:
                         found.add(("support", k, key), text)
                     if not wrong:
@@ -209,7 +209,7 @@ def _loads(
             target = _port(table.at, parts, ("load", k, "at"), found)
         else:
             target = _rod(table.rod, rods, ("load", k, "rod"), found)
-        good = _check_expressions(table, tables.run.t_end, ("load", k, "value"), found)
+        good = _check_expressions(table, tables.t_end, ("load", k, "value"), found)
         if target is not None and good:
             with found.at("load", k):
                 timing = {"frame": table.frame, "start": table.start, "until": table.until}
@@ -255,7 +255,7 @@ def _check_initial(tables: schema.ScenarioTables, parts: Mapping[str, Part], fou
 
 
 def _check_report(tables: schema.ScenarioTables, found: _Found) -> None:
-    wanted, t_end = tables.report or schema.ReportTable(), tables.run.t_end
+    wanted, t_end = tables.report or schema.ReportTable(), tables.t_end
     for t in wanted.snapshots or ():
         if not 0.0 <= t <= t_end:
             found.add(("report", "snapshots"), f"holds {t:g}; allowed: from 0 to t_end = {t_end:g} s")

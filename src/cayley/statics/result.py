@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cayley.model import Model
+from cayley.model.notebook import html_table
 from cayley.results.frames import Frames
 from cayley.results.trajectory import Trajectory
 from cayley.statics.free import free_motions, tell
@@ -19,6 +20,9 @@ from cayley.system.system import State, System
 
 if TYPE_CHECKING:
     import xarray as xr
+
+SYMMETRIC = 1e-12
+"""Largest difference of a stiffness from its transpose that is rounding, relative to its largest entry."""
 
 
 class Equilibrium:
@@ -118,8 +122,18 @@ class Equilibrium:
 
     @functools.cached_property
     def unstable(self) -> int:
-        """Number of independent motions that lower the energy: 0 where the equilibrium is stable (or indifferent)."""
+        """Number of independent motions that lower the energy: 0 where the equilibrium is stable (or indifferent).
+
+        Where loads are not conservative, those along which the symmetric part of the stiffness is negative: without any
+        it is stable, with some it may be or not.
+        """
         return self.still.unstable(inertia=CLEAR * self.inertia)
+
+    @functools.cached_property
+    def conservative(self) -> bool:
+        """Whether the stiffness is symmetric, as where all loads have an energy."""
+        stiffness = self.still.matrix(0)
+        return float(abs(stiffness - stiffness.T).max()) <= SYMMETRIC * float(abs(stiffness).max())
 
     @property
     def stable(self) -> bool:
@@ -135,13 +149,30 @@ class Equilibrium:
         """Write it to a Zarr store, as a run of one frame; Trajectory.open reads it."""
         self.frame.save(path, overwrite=overwrite)
 
+    @property
+    def _kind(self) -> str:
+        if not self.stable and not self.conservative:
+            return "stability open under loads without an energy (see cy.modes)"
+        return "stable" if self.stable else f"unstable in {self.unstable} motion{'s' * (self.unstable > 1)}"
+
+    def _repr_html_(self) -> str:
+        """How it was found, as a table in a notebook."""
+        rows = [
+            ("kind", self._kind),
+            ("found by", self.solution.how),
+            ("corrections", f"{self.iterations} in {self.load_steps} load step{'s' * (self.load_steps != 1)}"),
+            ("largest force left", f"{self.residual:.1e} N, N m"),
+            ("potential energy", f"{self.potential_energy:.6g} J"),
+            *(("free to move", motion) for motion in self.free_motions),
+        ]
+        return html_table("Equilibrium", rows)
+
     def __repr__(self) -> str:
         """Say how it was found."""
         loads = f" in {self.load_steps} load steps" if self.load_steps > 1 else ""
         free = f", free to move: {'; '.join(self.free_motions)}" if self.free_motions else ""
-        kind = "stable" if self.stable else f"unstable in {self.unstable} motion{'s' * (self.unstable > 1)}"
         return (
-            f"<Equilibrium: {kind}, {self.iterations} corrections{loads} by {self.solution.how}, "
+            f"<Equilibrium: {self._kind}, {self.iterations} corrections{loads} by {self.solution.how}, "
             f"largest force left {self.residual:.1e}{free}>"
         )
 
