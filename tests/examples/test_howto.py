@@ -5,8 +5,21 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 ROOT = Path(__file__).parents[2]
+
+
+def test_buckling(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "howto-buckling.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
+    assert len(blocks) >= 4
+    path = tmp_path / "page.py"
+    path.write_text("\n".join(blocks), encoding="utf-8")
+    found = runpy.run_path(str(path))
+    assert (tmp_path / "column.png").stat().st_size > 10_000
+    assert len(found["snap"].limits) == 2
 
 
 def test_damping_and_loads(tmp_path: Path) -> None:

@@ -116,8 +116,16 @@ def test_messages_on_the_page_are_those_one_gets() -> None:
     assert page.splitlines() == told
 
 
-def test_the_page_of_joints_says_what_happens() -> None:
-    page = str(ROOT / "docs" / "howto-joints.md")
+@pytest.mark.parametrize("name", ["howto-joints.md", "howto-statics.md", "howto-vibration.md"])
+def test_pages_say_what_happens(name: str) -> None:
+    page = str(ROOT / "docs" / name)
     found = doctest.testfile(page, module_relative=False, optionflags=doctest.ELLIPSIS)
+    assert found.attempted > 20
+    assert not found.failed
+
+
+def test_the_page_of_results_says_what_happens(tmp_path: Path) -> None:
+    page = str(ROOT / "docs" / "howto-results.md")
+    found = doctest.testfile(page, module_relative=False, globs={"folder": tmp_path})
     assert found.attempted > 20
     assert not found.failed

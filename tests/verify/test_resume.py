@@ -229,3 +229,13 @@ def test_a_store_that_is_there_is_not_replaced_unasked(tmp_path):
     with pytest.raises(ValueError, match="in no store"):
         cy.simulate(own, t_end=0.01, **options).resume()
     assert again.time[-1] == 0.02
+
+
+def test_runs_are_logged(caplog):
+    own, _ = CASES["midpoint"]
+    with caplog.at_level("INFO", logger="cayley"):
+        cy.simulate(own, t_end=0.01, dt=1e-3, rule=cy.rules.midpoint)
+    first, last = (record for record in caplog.records if record.name == "cayley.run")
+    assert "100 steps of 0.0001 s" in first.message
+    assert (first.rule, first.nodes) == ("midpoint", 7)
+    assert last.message.startswith("finished after")

@@ -1,4 +1,4 @@
-"""`cayley check`, `schema`, `new` and `export`: scenario files and results without a run."""
+"""`cayley check`, `schema`, `new`, `cite` and `export`: scenario files and results without a run."""
 
 from __future__ import annotations
 
@@ -62,6 +62,23 @@ def new(name: str, template: str) -> int:
         return DONE
 
     return guarded(str(path), write)
+
+
+def cite(folder: Path | None) -> int:
+    """Print references; returns the exit code."""
+
+    def write() -> int:
+        from cayley.report.cite import citation
+        from cayley.report.cite import cite as cite_run
+        from cayley.results.trajectory import Trajectory
+
+        if folder is None:
+            print("\n".join(citation()))
+        else:
+            print(cite_run(Trajectory.open(folder if folder.suffix == ".zarr" else folder / "run.zarr")))
+        return DONE
+
+    return guarded(str(folder), write)
 
 
 def export(folder: Path, kind: str, out: Path | None) -> int:

@@ -1,7 +1,8 @@
 """Discrete Euler-Lagrange equations of a Lagrangian under a rule, as programs for the compiler."""
 
+import functools
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from cayley.density import Density
@@ -100,8 +101,10 @@ class DiscreteEquations:
     @property
     def signature(self) -> str:
         """Text that determines every program."""
-        rule = f"{self.rule!r} {self.layout.representation.name} {sorted(self.varying)}" + " forced" * self.forced
-        return f"{rule}\n{self.density.signature}"
+        if "signature" not in self._derived:
+            rule = f"{self.rule!r} {self.layout.representation.name} {sorted(self.varying)}" + " forced" * self.forced
+            self._derived["signature"] = f"{rule}\n{self.density.signature}"
+        return self._derived["signature"]
 
 
 def derive(
@@ -152,7 +155,14 @@ def derive(
     by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
     forced = not rule.implicit and (density.force is not None or account)
     rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
-    return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
+    found = DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
+    return replace(found, _derived=_derived(found.signature))
+
+
+@functools.lru_cache(maxsize=64)
+def _derived(signature: str) -> dict[str, Any]:
+    """What was derived from equations of the same text: a model made again, with other numbers, waits for nothing."""
+    return {"signature": signature}
 
 
 __all__ = ["UNIFORMS", "DiscreteEquations", "Rows", "derive"]

@@ -1,6 +1,6 @@
 """Saved states of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,4 +45,16 @@ class Frames:
             h=self.h,
             memory=self.memory if k in (-1, len(self.times) - 1) else None,
             work=None if self.work is None else self.work[k].copy(),
+        )
+
+    def part(self, which: slice) -> "Frames":
+        """Some of the frames, without what is remembered."""
+        return replace(
+            self,
+            times=self.times[which],
+            steps=self.steps[which],
+            values=self.values[which],
+            momenta=self.momenta[which],
+            memory=None,
+            work=None if self.work is None else self.work[which],
         )

@@ -47,8 +47,8 @@ class JointRates:
 
 def _motions(joint: Coupling, time: float) -> list[np.ndarray]:
     """Prescribed motion, its rate and its acceleration, shape (7,) each."""
-    if joint.drive is None:
-        return [joint.motion(np.zeros(1))[0], np.zeros(DRIVE), np.zeros(DRIVE)]
+    if joint.drive is None or joint.steady:
+        return [joint.motion(np.array([time]))[0], np.zeros(DRIVE), np.zeros(DRIVE)]
     before, now, after = joint.drive(np.array([time - _STEP, time, time + _STEP]))
     return [now, (after - before) / (2.0 * _STEP), (after - 2.0 * now + before) / _STEP**2]
 

@@ -52,6 +52,8 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
     of_joints, saddle = JointRates(system), saddle_problem(system)
+    if any(joint.steady for joint in system.joints):
+        saddle.struct.watch = None  # redundant joints are told from others by inertia, which has no part at rest
     inertia, nodes = NodeInertia(system, saddle.plan.nodes), saddle.plan.nodes
     count, size, dofs = forces.shape
     point, joints = np.zeros_like(forces), np.zeros((count, len(system.joints), dofs))

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cayley import extension
 from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
 from cayley.model import Model
+from cayley.model.notebook import html_table
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
@@ -18,6 +20,8 @@ from cayley.system.system import State, System
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from cayley.report.plots import Plots
 
 AXES = ["x", "y", "z"]
 
@@ -187,6 +191,42 @@ class Trajectory:
         from cayley.results.reactions import reaction_dataset
 
         return reaction_dataset(self, support, name)
+
+    @property
+    def plot(self) -> "Plots":
+        """Figures of the run for papers, by Matplotlib: ``run.plot.energy()``, ``run.plot.snapshots()``, ..."""
+        made: Plots = extension("plot")(self)
+        return made
+
+    def animate(self, path: str | Path, **options: Any) -> Path:
+        """Write a film of the run: a .gif, or an .mp4 where the program ffmpeg is installed.
+
+        Args:
+            path: of the film; an old one is replaced.
+            **options: ``speed`` (seconds of the run in a second of the film), ``fps``, ``part`` (a rod, its name, or a
+                list of them).
+
+        Returns: the path.
+
+        Raises:
+            ValueError: another ending, or a value that is not positive.
+            RuntimeError: for .mp4 without ffmpeg.
+        """
+        written: Path = extension("animate")(self, path, **options)
+        return written
+
+    def _repr_html_(self) -> str:
+        """What ran, as a table in a notebook."""
+        rows = [
+            ("rule", self.rule),
+            ("steps", f"{self.steps} of {self.dt:.3g} s"),
+            ("time", f"{self.time[0]:g} to {self.time[-1]:g} s, {len(self.time)} frames"),
+            ("integrated in", f"{self.wall_time:.3g} s"),
+        ]
+        for name, nodes in self._parts.items():
+            count = nodes.stop - nodes.start
+            rows.append((name, f"{count} nodes" if count > 1 else "body"))
+        return html_table("Trajectory", rows)
 
     def __repr__(self) -> str:
         """Say what ran."""

@@ -1,6 +1,7 @@
 """The run from one save to the next: its step, the frames it leaves, and where it stops."""
 
 import functools
+import logging
 import math
 import time as clock
 from collections.abc import Callable, Mapping
@@ -18,6 +19,8 @@ from cayley.simulation.record import Record
 from cayley.simulation.saves import Saves, positive
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import State, System
+
+_log = logging.getLogger("cayley.run")
 
 SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
@@ -74,20 +77,27 @@ def run(
             begin_store(saves.store, outline, about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite)
         store = Writer(saves.store, outline, model, begin.h, begin.origin)
     record = Record(begin, store, known=resumed)
+    facts = {"rule": str(system.equations.rule), "dt": begin.h, "nodes": system.size, "store": str(saves.store or "")}
+    _log.info(
+        "run of %s: %d steps of %.3g s from t = %.6g s", name_of(system), plan.steps, plan.h, begin.time, extra=facts
+    )
     started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
     try:
         result = _through(plan, system, begin, record, progress, watch)
     except KeyboardInterrupt:
         stopped = True
+    if store is not None:
+        record.close()
     info = {"wall_time": clock.perf_counter() - started, **info}
     if store is None:
         frames = record.frames(None if stopped else result.state.memory)
         trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
     else:
-        record.close()
         finish(store.path, system, store.outline, info)
         trajectory = Trajectory.open(store.path, model=model)
         trajectory.__dict__["system"] = system  # compiled already
+    ended = "stopped by hand" if stopped else result.outcome.name.lower()
+    _log.info("%s after %.3g s, t = %.6g s", ended, info["wall_time"], trajectory.time[-1], extra=facts)
     if stopped:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:

@@ -252,10 +252,10 @@ def _between(
     local = np.full(system.size + 1, -1)
     local[nodes] = np.arange(len(nodes))
     local[-1] = len(nodes)  # the ground
-    signature = repr(system.layout)
+    signature = f"{dict(system.layout.fields)} {system.layout.representation.name}"  # the same in every process
     return {
         "programs": programs,
-        "kernels": tuple(_kernel(one, system.kernels.lanes, signature) for one in programs),
+        "kernels": tuple(compiled(one, system.kernels.lanes, signature) for one in programs),
         "uniforms": np.zeros(0),
         "nodes": local[np.array([(tie.first, tie.second) for tie in ties])],
         "phi": np.array([[1.0, 0.0]]),
@@ -277,17 +277,6 @@ __all__ = [
     "spring_cells",
     "term_cells",
 ]
-
-
-_KERNELS: dict[tuple[str, int, str], Kernel] = {}
-"""Kernels of joints and springs that this process has loaded."""
-
-
-def _kernel(program: Program, lanes: int, signature: str) -> Kernel:
-    key = (program.name, lanes, signature)
-    if key not in _KERNELS:
-        _KERNELS[key] = compiled(program, lanes, signature)
-    return _KERNELS[key]
 
 
 def _second_derivatives(cells: Cells) -> tuple[np.ndarray, np.ndarray]:

@@ -20,11 +20,8 @@ def embedded(system: System) -> System:
         return system
     if "embedded" not in system.plans:
         equations = system.equations
-        known = equations._derived
-        if "embedded" not in known:
-            made = derive(equations.density, equations.rule, varying=equations.varying, account=equations.forced)
-            known["embedded"] = made, Kernels(made, system.kernels.lanes)
-        made, kernels = known["embedded"]
+        made = derive(equations.density, equations.rule, varying=equations.varying, account=equations.forced)
+        kernels = Kernels(made, system.kernels.lanes)
         inner = replace(system, equations=made, kernels=kernels, loads=_turned_loads(system, made.layout))
         reference = as_quaternions(system.layout, system.reference)
         system.plans["embedded"] = replace(inner, reference=reference)

@@ -97,3 +97,40 @@ def test_doctor(call):
     result = call("doctor")
     assert result.exit_code == 0, result.output
     assert "doubles side by side" in result.stdout
+
+
+def test_sweep_runs_all_combinations(call, small, tmp_path):
+    (tmp_path / "small.toml").write_text(small)
+    result = call(
+        "sweep", "small.toml", "--set", "material.rubber.youngs_modulus=4e6,5e6", "--set", "run.t_end=0.01,0.02"
+    )
+    assert result.exit_code == 0, result.output
+    table = np.genfromtxt(
+        tmp_path / "runs/small_sweep/sweep.csv", delimiter=",", names=True, dtype=None, encoding="utf-8"
+    )
+    assert sorted(table["runt_end"].tolist()) == [0.01, 0.01, 0.02, 0.02]
+    assert set(table["outcome"]) == {"finished"}
+    last = Trajectory.open(tmp_path / "runs/small_sweep/0004/run.zarr")
+    assert table["beam_end_x_m"][3] == last["beam"].position.values[-1, -1, 0]
+
+
+def test_sweep_refuses(call, small, tmp_path):
+    (tmp_path / "small.toml").write_text(small)
+    for setting, text in {
+        "run.t_end": "give KEY=V1,V2",
+        "run.t_end=-1": "run.t_end: is -1",
+        "section.nothing.radius=1": "there is no 'nothing'",
+        "load.7.until=1": "neither a name nor a number from 1",
+    }.items():
+        result = call("sweep", "small.toml", "--set", setting)
+        assert (result.exit_code, text in result.stderr) == (2, True), result.stderr
+    assert not (tmp_path / "runs").exists()
+
+
+def test_cite_names_the_methods_of_a_run(call, small, spoiled, tmp_path):
+    (tmp_path / "small.toml").write_text(spoiled('"nodal"', '"screw"'))
+    assert call("run", "small.toml", "--no-report", "--quiet").exit_code == 0
+    told = call("cite", "runs/small").stdout
+    for key in ("@software{cayley", "leitz2014", "marsden2001", "simo1985", "hante2022"):
+        assert key in told
+    assert "leok2012" not in told
