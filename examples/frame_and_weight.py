@@ -1,10 +1,11 @@
-"""Two tubes at a right angle with a weight on a ball joint: parts, joints, damping, reactions and the energy balance.
+"""A frame and a weight: two tubes at a right angle and a ball joint; damping, reactions, energy balance.
 
 A mast is clamped at its foot, an arm welded to its top, and a weight hangs from the end of the arm. A push sets it
 swinging; the material of both tubes calms the frame. What is checked: the ball joint stays closed to
 round-off, the clamp carries the weight in the end, and energy, work of the push and loss add up.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import cayley as cy
@@ -47,3 +48,15 @@ assert gap.max() < 1e-12
 assert abs(carried / (model.mass * 9.81) - 1.0) < 0.01
 assert abs(hangs / (weight.mass * 9.81) - 1.0) < 0.02
 assert abs(balance.defect).max() < 1e-3 * float(balance.work[-1])
+
+figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.4, 4.2), sharex=True, layout="constrained")
+top.plot(run.time, run[weight].position.sel(axis="y"), label="weight")
+top.plot(run.time, run[arm].position.sel(axis="y").isel(node=-1), label="end of the arm")
+top.set(ylabel="y [m]")
+top.legend()
+bottom.plot(run.time, balance.energy - float(balance.energy[0]), label="energy")
+bottom.plot(run.time, balance.dissipated, label="dissipated")
+bottom.plot(run.time, balance.work, "k--", label="work of the push")
+bottom.set(xlabel="time [s]", ylabel="[J]")
+bottom.legend()
+plt.show()

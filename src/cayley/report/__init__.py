@@ -30,7 +30,7 @@ def __getattr__(name: str) -> Any:
 
 
 if TYPE_CHECKING:
-    from cayley.report import figures, vibration
+    from cayley.report import figures
     from cayley.report.cite import citation
     from cayley.report.conserved import conservation
     from cayley.report.html import write_report

@@ -8,7 +8,7 @@ import os
 import platform
 from collections.abc import Iterable, Sequence
 from html import escape
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ import cayley
 from cayley.report import figures
 from cayley.report.cite import citation, cite
 from cayley.report.conserved import conservation
-from cayley.report.player import page
+from cayley.report.player import asset, document, page
 from cayley.report.stage import scene
 from cayley.report.style import style
 
@@ -51,11 +51,11 @@ def write_report(
     """
     below = "\n".join([*_measured(run, times, nodes), *standing(run, scenario_text=scenario_text, notes=notes)])
     text = page([scene(run)], title=title or "A run", lead=lead(run), below=below)
-    return _written(Path(path), text)
+    return _written(path, text)
 
 
 def write_page(path: str | Path, title: str, parts: Iterable[str], *, style: str = "") -> Path:
-    """Write the parts of a page, whole at its path when it is complete.
+    """Write the parts of a page without a player.
 
     Args:
         path: of the file; an old one is replaced.
@@ -65,18 +65,12 @@ def write_page(path: str | Path, title: str, parts: Iterable[str], *, style: str
 
     Returns: the path.
     """
-    sheet = resources.files("cayley.report").joinpath("web/page.css").read_text(encoding="utf-8")
-    page = (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>\n{sheet}{style}</style>\n"
-        "</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
-    )
-    return _written(Path(path), page)
+    return _written(path, document(title, "\n".join(parts), style=asset("page.css") + style))
 
 
-def _written(target: Path, text: str) -> Path:
-    """Write a file that is there as a whole or not at all."""
+def _written(path: str | Path, text: str) -> Path:
+    """Write a file, whole at its path when it is complete."""
+    target = Path(path)
     unfinished = target.with_name(target.name + ".part")
     unfinished.write_text(text, encoding="utf-8")
     os.replace(unfinished, target)

@@ -53,15 +53,29 @@ def page(scenes: Sequence[Scene], *, title: str, lead: str = "", below: str = ""
     data += [_element(f"frames{k}", "text/plain", text) for k, text in enumerate(frames)]
     styles = "\n".join(asset(name) for name in _STYLES)
     own = "\n".join(asset(name) for name in _SCRIPTS)
+    body = (
+        f'<header><h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p></header>\n'
+        + f"{asset('player.html')}{below}\n"
+        + "\n".join(data)
+        + f"\n<script>/*\n{asset('vendor/uPlot.LICENSE')}*/\n{asset('vendor/uPlot.iife.min.js')}</script>\n"
+        + f'<script>\n"use strict";\n(() => {{\n{own}}})();\n</script>'
+    )
+    return document(title, body, style=styles)
+
+
+def document(title: str, body: str, *, style: str) -> str:
+    """A whole page.
+
+    Args:
+        title: plain text.
+        body: HTML.
+        style: CSS.
+    """
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n<style>\n{styles}</style>\n</head>\n<body>\n'
-        f'<header><h1>{escape(title)}</h1><p class="lead">{escape(lead)}</p></header>\n'
-        f"{asset('player.html')}{below}\n"
-        + "\n".join(data)
-        + f"\n<script>/*\n{asset('vendor/uPlot.LICENSE')}*/\n{asset('vendor/uPlot.iife.min.js')}</script>\n"
-        f'<script>\n"use strict";\n(() => {{\n{own}}})();\n</script>\n</body>\n</html>\n'
+        f'<title>{escape(title)}</title>\n<link rel="icon" href="data:,">\n<style>\n{style}</style>\n</head>\n'
+        f"<body>\n{body}\n</body>\n</html>\n"
     )
 
 

@@ -57,4 +57,5 @@ class Frames:
             momenta=self.momenta[which],
             memory=None,
             work=None if self.work is None else self.work[which],
+            rates=None if self.rates is None else self.rates[which],
         )
