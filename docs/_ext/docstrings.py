@@ -13,7 +13,12 @@ _RELATION = re.compile(r"[=≤≥≈→∝<>]|->")
 def process(app: Any, what: str, name: str, found: Any, options: Any, lines: list[str]) -> None:
     """Rewrite a docstring in place, paragraph by paragraph."""
     if name.startswith("cayley") and lines:
-        lines[:] = [line for paragraph in _paragraphs(lines) for line in [*rewritten(paragraph), ""]]
+        lines[:] = as_rst(lines)
+
+
+def as_rst(lines: list[str]) -> list[str]:
+    """A whole docstring."""
+    return [line for paragraph in _paragraphs(lines) for line in [*rewritten(paragraph), ""]]
 
 
 def shorten(
