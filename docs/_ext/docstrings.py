@@ -14,6 +14,8 @@ def process(app: Any, what: str, name: str, found: Any, options: Any, lines: lis
     """Rewrite a docstring in place, paragraph by paragraph."""
     if name.startswith("cayley") and lines:
         lines[:] = as_rst(lines)
+        if what in ("attribute", "data", "property"):  # napoleon takes what stands before a colon for a type
+            lines[0] = lines[0].replace(": ", " – ", 1)
 
 
 def as_rst(lines: list[str]) -> list[str]:

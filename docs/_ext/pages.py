@@ -139,7 +139,8 @@ def _entry(name: str, value: Any) -> str:
         return f".. py:data:: cayley.{name}\n    :type: Lagrangian\n\n{text}\n"
     if isinstance(value, np.ndarray):
         return f".. py:data:: cayley.{name}\n    :value: {tuple(float(x) for x in value)}\n\n    A unit vector.\n"
-    return f".. {_directive(value)}:: cayley.{name}\n"
+    directive = _directive(value)
+    return f".. {directive}:: cayley.{name}\n" + ("    :no-value:\n" if directive == "autodata" else "")
 
 
 def _list(groups: dict[str, tuple[str, ...]]) -> str:
