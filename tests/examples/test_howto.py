@@ -36,7 +36,9 @@ def test_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     plain, prompted = blocks(page)
     assert bool(plain) != bool(prompted), "blocks with prompts and without do not mix: they share no names"
     if prompted:
-        found = doctest.testfile(str(page), module_relative=False, optionflags=doctest.ELLIPSIS)
+        found = doctest.testfile(
+            str(page), module_relative=False, optionflags=doctest.ELLIPSIS, globs={"folder": tmp_path}
+        )
         assert found.attempted >= len(prompted)
         assert not found.failed
         return

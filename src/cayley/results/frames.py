@@ -1,6 +1,6 @@
 """Saved states of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,9 @@ class Frames:
         h: time step [s].
         memory: what implicit rules remember of the step before the last frame (see State).
         work: work and loss since the start (see State), shape (m, k, 2), or None.
+        rates: velocities ω and ẋ that the last three steps of an implicit rule say, if forces depend on velocities,
+            shape (m, nodes, dofs): with u, w, v the mean velocities of these steps v + w/2 − u/2, which is of order 2
+            and does not know what decays within a step; not numbers before the third step.
     """
 
     times: np.ndarray
@@ -30,6 +33,7 @@ class Frames:
     h: float
     memory: np.ndarray | None = None
     work: np.ndarray | None = None
+    rates: np.ndarray | None = None
 
     def state(self, k: int = -1) -> State:
         """The state of a frame, to go on from."""
@@ -41,4 +45,17 @@ class Frames:
             h=self.h,
             memory=self.memory if k in (-1, len(self.times) - 1) else None,
             work=None if self.work is None else self.work[k].copy(),
+        )
+
+    def part(self, which: slice) -> "Frames":
+        """Some of the frames, without what is remembered."""
+        return replace(
+            self,
+            times=self.times[which],
+            steps=self.steps[which],
+            values=self.values[which],
+            momenta=self.momenta[which],
+            memory=None,
+            work=None if self.work is None else self.work[which],
+            rates=None if self.rates is None else self.rates[which],
         )

@@ -21,14 +21,15 @@ class ConstraintForces:
     """Forces of the multipliers at saved frames, body moments and forces in space.
 
     Args:
-        left: of each element on its left node, at that node, shape (m, nodes, dofs).
-        right: of each element on its right node, at its left node, shape (m, nodes, dofs).
+        inner: of the element that begins at a node on its nodes, shape (m, nodes, degree + 1, dofs).
+        multipliers: λ of each element at its strain points, per unit of length: L has λ·g there beside −W,
+            shape (m, elements, points, constraints).
         point: of all joints on the nodes, shape (m, nodes, dofs).
         joints: of each joint on its first node, shape (m, joints, dofs).
     """
 
-    left: np.ndarray
-    right: np.ndarray
+    inner: np.ndarray
+    multipliers: np.ndarray
     point: np.ndarray
     joints: np.ndarray
 
@@ -38,7 +39,7 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
 
     M v̇ = F − b − Gᵀ λ and g̈ = G v̇ + γ = 0 give (G M⁻¹ Gᵀ) λ = G M⁻¹ (F − b) + γ, with b the terms of the
     velocities in d/dt ∂T/∂v (for rotations ω × Jω), and γ = Ġ v and what prescribed motions add to it: λ follows from
-    the state of a frame and the time alone.
+    the state of a frame and the time alone, F of viscous stresses from observe.acting_velocity.
 
     Args:
         system: the system, of a constrained density or with joints.
@@ -51,11 +52,15 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
     Source: Hairer, Lubich, Wanner (2006), Geometric Numerical Integration, section VII.1.2.
     """
     of_joints, saddle = JointRates(system), saddle_problem(system)
+    if any(joint.steady for joint in system.joints):
+        saddle.struct.watch = None  # redundant joints are told from others by inertia, which has no part at rest
     inertia, nodes = NodeInertia(system, saddle.plan.nodes), saddle.plan.nodes
-    left, right, point = (np.zeros_like(forces) for _ in range(3))
-    joints = np.zeros((len(frames.times), len(system.joints), system.layout.dofs))
-    elements = element_starts(system)
+    count, size, dofs = forces.shape
+    point, joints = np.zeros_like(forces), np.zeros((count, len(system.joints), dofs))
+    elements, rule = element_starts(system), system.equations.rule
+    inner = np.zeros((count, size, rule.degree + 1, dofs))
     constrained = bool(system.equations.density.constraints.numel() and len(elements))
+    multipliers = np.zeros((count, len(elements), len(rule.strain.at), system.equations.density.constraints.numel()))
     turning, inputs = (_turning(system) if constrained else None), element_inputs(system, elements)
     for k, time in enumerate(map(float, frames.times)):
         values, moving = frames.values[k], velocity[k]
@@ -67,14 +72,16 @@ def constraint_forces(system: System, frames: Frames, velocity: np.ndarray, forc
         solved = reactions(saddle, values, time, driving, [-rate for rate in rates])
         pulls = [of_cells.sum(axis=1) for of_cells in solved.forces]
         if constrained:
-            left[k, elements], right[k, elements] = pulls[0][:, 0], pulls[0][:, 1]
+            inner[k, elements] = pulls[0]
+            cells, impulse = solved.multipliers[0]
+            multipliers[k] = -impulse.reshape(multipliers.shape[1:]) / cells.weight[:, :, None]
         for members, both in zip(of_joints.groups.values(), pulls[constrained:], strict=True):
             for joint, (first, second) in zip(members, both, strict=True):
                 joints[k, joint] = first
                 point[k, system.joints[joint].first] += first
                 if not system.joints[joint].grounded:
                     point[k, system.joints[joint].second] += second
-    return ConstraintForces(left, right, point, joints)
+    return ConstraintForces(inner, multipliers, point, joints)
 
 
 def _turning(system: System) -> ca.Function:
@@ -83,8 +90,7 @@ def _turning(system: System) -> ca.Function:
     rows = ca.vertcat(*[to_sx(e) for e in known.ends])
     pairs = zip(known.ends, known.rates, strict=True)
     moving = ca.vertcat(*[tangent(layout, end) @ to_sx(rate) for end, rate in pairs])
-    ends = (known.ends[0], known.ends[1])
-    g = element_constraints(equations.density, equations.rule.strain, layout, ends, known.place)
+    g = element_constraints(equations.density, equations.rule.strain, layout, known.ends, known.place)
     turning = ca.jtimes(ca.jtimes(g, rows, moving), rows, moving)
     return ca.Function("turning", [known.inputs], [ca.densify(turning)])
 

@@ -6,6 +6,7 @@ them, what is observed when it ends.
     /                    attributes: format, version, rule, fields, model, ...
     /time, /step, /kinetic_energy, /strain_energy, /load_energy                     (time)
     /work                of loads and forces, and loss, where accounted for         (time, cell, account)
+    /rates               velocities by the last three steps, where there is damping (time, node, component)
     /reactions           of joints on their first nodes                             (time, joint, component)
     /held                nodes that supports hold                                   (support)
     /supports            what supports exert on these                               (time, support, component)

@@ -10,7 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernel, compiled
 from cayley.density.force import KINDS, NODE
 from cayley.discrete.joint import COUNTS, joint_program
-from cayley.discrete.places import name_at
+from cayley.discrete.places import name_at, placed
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points, lagrange, lobatto
 from cayley.discrete.spring import damper_program, spring_program
@@ -137,6 +137,10 @@ def _on_elements(system: System, name: str, *, light: str = "_force", sign: floa
     lengths = system.named["length"][nodes[:, :-1]].sum(axis=1)
     phi, psi, heavy = in_space(strain)
     along = np.zeros(1) if strain.between_ends else np.array(strain.at)
+    constant = _constants(system, np.repeat(nodes[:, :1], len(heavy), axis=1), np.outer(lengths, along))
+    if strain.corners:  # one evaluation for both: what differs between them stands behind
+        others = [system.named[name][nodes[:, :1]] for name in placed(system.equations.varying)]
+        constant = np.concatenate([constant, *(values[:, :, None] for values in others)], axis=2)
     return Cells(
         **_kernels(system, name, light),
         nodes=nodes,
@@ -144,7 +148,7 @@ def _on_elements(system: System, name: str, *, light: str = "_force", sign: floa
         psi=psi,
         inverse=np.ones(len(lengths)) if strain.between_ends else 1.0 / lengths,
         weight=sign * np.outer(lengths, heavy),
-        constant=_constants(system, np.repeat(nodes[:, :1], len(heavy), axis=1), np.outer(lengths, along)),
+        constant=constant,
         slots=2,
         **kind,
     )
@@ -248,10 +252,10 @@ def _between(
     local = np.full(system.size + 1, -1)
     local[nodes] = np.arange(len(nodes))
     local[-1] = len(nodes)  # the ground
-    signature = repr(system.layout)
+    signature = f"{dict(system.layout.fields)} {system.layout.representation.name}"  # the same in every process
     return {
         "programs": programs,
-        "kernels": tuple(_kernel(one, system.kernels.lanes, signature) for one in programs),
+        "kernels": tuple(compiled(one, system.kernels.lanes, signature) for one in programs),
         "uniforms": np.zeros(0),
         "nodes": local[np.array([(tie.first, tie.second) for tie in ties])],
         "phi": np.array([[1.0, 0.0]]),
@@ -273,17 +277,6 @@ __all__ = [
     "spring_cells",
     "term_cells",
 ]
-
-
-_KERNELS: dict[tuple[str, int, str], Kernel] = {}
-"""Kernels of joints and springs that this process has loaded."""
-
-
-def _kernel(program: Program, lanes: int, signature: str) -> Kernel:
-    key = (program.name, lanes, signature)
-    if key not in _KERNELS:
-        _KERNELS[key] = compiled(program, lanes, signature)
-    return _KERNELS[key]
 
 
 def _second_derivatives(cells: Cells) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,9 @@ from cayley.steppers.cells import spring_cells
 from cayley.steppers.native import fill
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
+from cayley.steppers.turned_run import run_turned
 from cayley.system.system import State, System, aligned, by_node, gather, pack
+from cayley.system.turned import embedded
 
 CHUNK = 20_000
 """Most steps in one call of the driver."""
@@ -104,6 +106,8 @@ def run(
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
+    if system.layout.representation.name != "quaternion":
+        return run_turned(run, system, state, stride=stride, saves=saves, receive=receive, progress=progress)
     explicit, rows = make_plan(system), system.equations.rows
     data = pack(system, state if state.work is None else replace(state, work=state.work[:-1]))
     done = 0
@@ -136,7 +140,7 @@ def run(
 
 def prepare(system: System) -> None:
     """Compile or load everything a run of the system calls."""
-    make_plan(system)
+    make_plan(embedded(system))
 
 
 def _advance(
