@@ -30,12 +30,20 @@ def shorten(
     return tuple(given and _ARRAY.sub("Array", given) for given in (signature, returns))  # type: ignore[return-value]
 
 
+def plain(line: str) -> str:
+    """A line in which |x| is a magnitude; code in backticks and examples stay as they are."""
+    if line.lstrip().startswith((">>>", "...")):
+        return line
+    return "".join(part if k % 2 else part.replace("|", r"\|") for k, part in enumerate(re.split(r"(`[^`]*`)", line)))
+
+
 def rewritten(paragraph: list[str]) -> list[str]:
     """One paragraph of a docstring.
 
     A formula is a paragraph with a relation in it and no full stop at its end; it is kept as it is written.
     "Returns: x" and "Source: x" in one line become fields.
     """
+    written, paragraph = paragraph, [plain(line) for line in paragraph]
     first = paragraph[0]
     head = re.match(r"^(Returns|Source): (\S.*)$", first)
     if head:
@@ -44,7 +52,7 @@ def rewritten(paragraph: list[str]) -> list[str]:
     if first.startswith(" ") or _SECTION.match(first) or first.startswith((">>>", "- ", "* ", ".. ", "1. ")):
         return paragraph
     if _RELATION.search(" ".join(paragraph)) and not paragraph[-1].rstrip().endswith((".", ":", ";", "?")):
-        return [".. code-block:: none", "   :class: formula", "", *(f"   {line}" for line in paragraph)]
+        return [".. code-block:: none", "   :class: formula", "", *(f"   {line}" for line in written)]
     return paragraph
 
 
