@@ -1,5 +1,6 @@
 """How the site is built: `make docs`, or `sphinx-build -W docs docs/_build/html` with `cayley[docs]` installed."""
 
+import logging
 import sys
 from pathlib import Path
 
@@ -9,6 +10,8 @@ sys.path.insert(0, str(HERE / "_ext"))
 import staging  # noqa: E402
 
 import cayley  # noqa: E402
+
+logging.getLogger("cayley").setLevel(logging.WARNING)  # the gallery turns on all messages of the examples
 
 project = "cayley"
 author = "cayley developers"

@@ -13,7 +13,14 @@ _RELATION = re.compile(r"[=≤≥≈→∝<>]|->")
 def process(app: Any, what: str, name: str, found: Any, options: Any, lines: list[str]) -> None:
     """Rewrite a docstring in place, paragraph by paragraph."""
     if name.startswith("cayley") and lines:
-        lines[:] = [line for paragraph in _paragraphs(lines) for line in [*rewritten(paragraph), ""]]
+        lines[:] = as_rst(lines)
+        if what in ("attribute", "data", "property"):  # napoleon takes what stands before a colon for a type
+            lines[0] = lines[0].replace(": ", " – ", 1)
+
+
+def as_rst(lines: list[str]) -> list[str]:
+    """A whole docstring."""
+    return [line for paragraph in _paragraphs(lines) for line in [*rewritten(paragraph), ""]]
 
 
 def shorten(
@@ -23,12 +30,20 @@ def shorten(
     return tuple(given and _ARRAY.sub("Array", given) for given in (signature, returns))  # type: ignore[return-value]
 
 
+def plain(line: str) -> str:
+    """A line in which |x| is a magnitude; code in backticks and examples stay as they are."""
+    if line.lstrip().startswith((">>>", "...")):
+        return line
+    return "".join(part if k % 2 else part.replace("|", r"\|") for k, part in enumerate(re.split(r"(`[^`]*`)", line)))
+
+
 def rewritten(paragraph: list[str]) -> list[str]:
     """One paragraph of a docstring.
 
     A formula is a paragraph with a relation in it and no full stop at its end; it is kept as it is written.
     "Returns: x" and "Source: x" in one line become fields.
     """
+    written, paragraph = paragraph, [plain(line) for line in paragraph]
     first = paragraph[0]
     head = re.match(r"^(Returns|Source): (\S.*)$", first)
     if head:
@@ -37,7 +52,7 @@ def rewritten(paragraph: list[str]) -> list[str]:
     if first.startswith(" ") or _SECTION.match(first) or first.startswith((">>>", "- ", "* ", ".. ", "1. ")):
         return paragraph
     if _RELATION.search(" ".join(paragraph)) and not paragraph[-1].rstrip().endswith((".", ":", ";", "?")):
-        return [".. code-block:: none", "   :class: formula", "", *(f"   {line}" for line in paragraph)]
+        return [".. code-block:: none", "   :class: formula", "", *(f"   {line}" for line in written)]
     return paragraph
 
 

@@ -3,12 +3,17 @@
 Links in Markdown are written as GitHub follows them, from file to file; here they are sent to pages of the site.
 """
 
+import ast
 import importlib
+import inspect
 import os
 import re
+import sys
+import textwrap
 from pathlib import Path
 from typing import Any
 
+import docstrings
 import numpy as np
 
 import cayley
@@ -35,18 +40,25 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "simulate",
         "resume",
         "Trajectory",
-        "equilibrium",
-        "Equilibrium",
-        "modes",
-        "Modes",
-        "trace",
-        "Path",
         "SimulationError",
         "Interrupted",
         "WriteError",
         "DamageWarning",
-        "EquilibriumError",
     ),
+    "Statics and vibration": (
+        "equilibrium",
+        "Equilibrium",
+        "EquilibriumError",
+        "trace",
+        "Path",
+        "buckling",
+        "modes",
+        "Modes",
+        "campbell",
+        "frequency_response",
+        "matrices",
+    ),
+    "Files": ("export", "cite"),
     "Lagrangians": (
         "lagrangian",
         "Lagrangian",
@@ -97,16 +109,15 @@ def slug(title: str) -> str:
 
 
 def _group_page(title: str, names: tuple[str, ...]) -> str:
-    return "\n".join([_heading(title), *(_entry(name) for name in names)])
+    return "\n".join([_heading(title), *(_entry(name, getattr(cayley, name)) for name in names)])
 
 
 def _family_page(name: str) -> str:
     module = importlib.import_module(f"cayley.{cayley._MODULES[name]}")
+    sys.modules[f"cayley.{name}"] = module  # so that entries are named as users write them
     summary = (module.__doc__ or "").strip().partition("\n")[0]
-    return "\n".join(
-        [_heading(f"cayley.{name}"), summary, ""]
-        + [f".. {_directive(getattr(module, n))}:: {module.__name__}.{n}\n" for n in public(module)]
-    )
+    entries = [_entry(f"{name}.{own}", getattr(module, own)) for own in public(module)]
+    return "\n".join([_heading(f"cayley.{name}"), summary, "", *entries])
 
 
 def public(module: Any) -> list[str]:
@@ -114,12 +125,10 @@ def public(module: Any) -> list[str]:
     listed = getattr(module, "__all__", None)
     if listed is not None:
         return [name for name in listed if not isinstance(getattr(module, name), str | int | float)]
-    home = module.__name__
-    return [
-        name
-        for name, value in vars(module).items()
-        if not name.startswith("_") and (getattr(value, "__module__", "") == home or type(value).__module__ == home)
-    ]
+    body = ast.parse(inspect.getsource(module)).body
+    defined = [node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    values = [t.id for node in body if isinstance(node, ast.Assign) for t in node.targets if isinstance(t, ast.Name)]
+    return [name for name in [*values, *defined] if not name.startswith("_") and not name.isupper()]
 
 
 def _directive(value: Any) -> str:
@@ -128,12 +137,16 @@ def _directive(value: Any) -> str:
     return "autofunction" if callable(value) and hasattr(value, "__name__") else "autodata"
 
 
-def _entry(name: str) -> str:
-    """One public name; of a plain array no docstring says anything."""
-    value = getattr(cayley, name)
+def _entry(name: str, value: Any) -> str:
+    """One public name; a plain array has no docstring of its own, a Lagrangian has that of its function."""
+    if isinstance(value, cayley.Lagrangian):
+        lines = docstrings.as_rst(inspect.cleandoc(value.function.__doc__ or "").splitlines())
+        text = textwrap.indent("\n".join(lines), "    ")
+        return f".. py:data:: cayley.{name}\n    :type: Lagrangian\n\n{text}\n"
     if isinstance(value, np.ndarray):
         return f".. py:data:: cayley.{name}\n    :value: {tuple(float(x) for x in value)}\n\n    A unit vector.\n"
-    return f".. {_directive(value)}:: cayley.{name}\n"
+    directive = _directive(value)
+    return f".. {directive}:: cayley.{name}\n" + ("    :no-value:\n" if directive == "autodata" else "")
 
 
 def _list(groups: dict[str, tuple[str, ...]]) -> str:
@@ -148,7 +161,7 @@ def _list(groups: dict[str, tuple[str, ...]]) -> str:
         lines += [f":doc:`{title} <{slug(title)}>`", f"    {links}", ""]
     for name, home in cayley._MODULES.items():
         module = importlib.import_module(f"cayley.{home}")
-        links = ", ".join(f":py:obj:`{n} <{module.__name__}.{n}>`" for n in public(module))
+        links = ", ".join(f":py:obj:`{n} <cayley.{name}.{n}>`" for n in public(module))
         lines += [f":doc:`cayley.{name} <{name}>`", f"    {links}", ""]
     tree = "\n".join(f"    {slug(name)}" for name in (*groups, *cayley._MODULES))
     return "\n".join([*lines, ".. toctree::", "    :hidden:", "", tree, ""])

@@ -15,8 +15,9 @@ from pygments.util import ClassNotFound
 from sphinx.util import logging
 
 ROOT = Path(__file__).resolve().parents[2]
-SHOWN = ("src/cayley", "examples", "benchmarks", "tests", "audit")
-SINGLE = ("hatch_build.py", "pyproject.toml", "Makefile", "CITATION.cff")
+SHOWN = ("src/cayley", "examples")
+"""Folders whose files all have a page; others have one if a document links to them."""
+LINKED: set[Path] = set()
 KINDS = (".py", ".c", ".h", ".toml", ".txt")
 SCHEME = "source:"
 _LOG = logging.getLogger(__name__)
@@ -26,12 +27,13 @@ def files() -> list[Path]:
     """All files that have a page."""
     inside = (path for folder in SHOWN for path in (ROOT / folder).rglob("*") if path.suffix in KINDS)
     found = [path for path in inside if not any(part.startswith((".", "__pycache__")) for part in path.parts[-3:])]
-    return sorted([*found, *(ROOT / "docs").glob("*.py"), *(ROOT / name for name in SINGLE)])
+    return sorted({*found, *(path for path in LINKED if path.is_file())})
 
 
 def folders() -> list[Path]:
     """All folders with such files in them, however deep."""
-    return sorted({parent for path in files() for parent in path.parents if parent.is_relative_to(ROOT)})
+    above = {parent for path in files() for parent in path.parents if parent.is_relative_to(ROOT)}
+    return sorted(above | {path for path in LINKED if path.is_dir()})
 
 
 def page_of(path: Path) -> str:
@@ -64,8 +66,9 @@ def resolve(app: Any, doctree: nodes.document, docname: str) -> None:
         if not target.startswith(SCHEME):
             continue
         path = ROOT / target.removeprefix(SCHEME).partition("#")[0]
-        if path not in _known():
-            _LOG.warning("%s: %s has no page (see SHOWN in _ext/sources.py)", docname, target, location=link)
+        if not path.exists():
+            _LOG.warning("%s: %s is no file or folder", docname, target, location=link)
+        LINKED.add(path)
         if app.builder.format == "html":
             link["refuri"] = app.builder.get_relative_uri(docname, page_of(path))
 
@@ -86,9 +89,9 @@ def pages(app: Any) -> Iterator[tuple[str, dict[str, str], str]]:
             {"title": name, "body": f"<h1>{escape(name)}</h1>{up}<div class='source-file'>{code}</div>"},
             "page.html",
         )
-    known = set(files())
+    known = {*files(), *folders()}
     for folder in folders():
-        inside = [path for path in sorted(folder.iterdir()) if path in known or path in _known()]
+        inside = [path for path in sorted(folder.iterdir()) if path in known]
         items = "".join(
             f'<li><a href="{path.name}{"" if path.is_file() else "/index"}.html">{escape(path.name)}</a>'
             f"{_first_line(path)}</li>"
@@ -104,10 +107,6 @@ def _first_line(path: Path) -> str:
     text = path.read_text(encoding="utf-8") if path.suffix == ".py" and path.exists() else ""
     first = text.removeprefix('"""').partition("\n")[0].rstrip('"') if text.startswith('"""') else ""
     return f": {escape(first)}" if first else ""
-
-
-def _known() -> set[Path]:
-    return {*files(), *folders()}
 
 
 def setup(app: Any) -> dict[str, bool]:

@@ -2,6 +2,7 @@
 
 import re
 import runpy
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -19,9 +20,10 @@ SNIPPETS = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text(
 def test_example(path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """It runs, says something and draws something: these are the pages of the gallery."""
     monkeypatch.setattr(plt, "show", lambda: None)
-    runpy.run_path(str(path), run_name="__main__")
+    monkeypatch.setattr(sys, "argv", [str(path)])
+    found = runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out
-    assert plt.get_fignums()
+    assert plt.get_fignums() or found["figure"].axes
     plt.close("all")
 
 
