@@ -7,6 +7,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 LOCK := requirements-lock.txt
 DEMO_OUT := runs/leitz2014
+SITE := docs/_build/html
 
 # The first interpreter that is new enough and can make a virtual environment. Give PYTHON=... to choose another.
 USABLE := import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))
@@ -20,12 +21,13 @@ LOCKED := $(INSTALL) --constraint $(LOCK) --no-build-isolation
 unexport PYTHONPATH PYTHONHOME
 export MPLBACKEND := Agg
 
-.PHONY: help demo test lint bench audit lock clean
+.PHONY: help demo test lint docs docs-links bench audit lock clean
 
 help:
 	@echo "make demo    run the paper's beam and write an HTML report to $(DEMO_OUT)"
 	@echo "make test    ruff, mypy, import-linter, typos, then pytest"
 	@echo "make lint    the checks without the tests"
+	@echo "make docs    build the site in docs/_build/html; make docs-links tries its links to the outside"
 	@echo "make bench   run every script in benchmarks/, PyElastica from an environment of its own"
 	@echo "make audit   measure every rule and write docs/audit.md"
 	@echo "make lock    renew $(LOCK) from the ranges in pyproject.toml"
@@ -45,8 +47,16 @@ lint: $(VENV)/.dev $(VENV)/.engine
 	$(BIN)/lint-imports
 	$(BIN)/typos
 
+# Examples that did not change are not run again; a warning is an error.
+docs: $(VENV)/.docs $(VENV)/.engine
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet docs $(SITE)
+	@echo "Open the documentation: $(CURDIR)/$(SITE)/index.html"
+
+docs-links: $(VENV)/.docs $(VENV)/.engine
+	$(BIN)/sphinx-build --quiet --builder linkcheck -D plot_gallery=0 docs docs/_build/links
+
 # The peers live in an environment of their own, benchmarks/.venv-peers, which the scripts make.
-BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep assembly report
+BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep assembly statics report
 
 bench: $(VENV)/.dev $(VENV)/.engine
 	@set -e; for name in $(BENCHMARKS); do echo "benchmarks/$$name.py"; $(BIN)/python benchmarks/$$name.py; done
@@ -74,13 +84,19 @@ $(VENV)/.dev: $(VENV)/.run
 	@$(LOCKED) --editable ".[test,dev]"
 	@touch $@
 
+$(VENV)/.docs: $(VENV)/.run
+	@echo "Adding the tools of the documentation to $(VENV)"
+	@$(LOCKED) --editable ".[docs]"
+	@touch $@
+
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
-	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev]" ziglang
+	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[test,dev,docs]" ziglang
 	{ grep '^#' $(LOCK); .venv-lock/bin/python -m pip freeze --exclude-editable; } > $(LOCK).new
 	mv $(LOCK).new $(LOCK)
 	rm -rf .venv-lock
 
 clean:
 	rm -rf $(VENV) benchmarks/.venv-peers .venv-lock runs build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
-	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf docs/_build docs/_staged docs/about docs/api docs/gallery docs/sg_execution_times.rst
+	find src tests docs -name __pycache__ -type d -prune -exec rm -rf {} +

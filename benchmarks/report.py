@@ -228,6 +228,29 @@ def heavy_top(record: Record) -> str:
     )
 
 
+def statics(record: Record) -> str:
+    """Equilibria, and modes where they were measured."""
+    told, modes = record["statics"], record["modes"]
+    rows = [
+        (
+            name,
+            ranged({k: 1e3 * v if k != "repeats" else v for k, v in told[name]["search_s"].items()}, 2),
+            str(told[name].get("corrections", told[name].get("iterations"))),
+            f"{told[name]['tip_error_m']:.1e}",
+        )
+        for name in ("cayley", "exudyn")
+        if name in told
+    ]
+    head = ("program", "search [ms]", "corrections", "error of the tip [m]")
+    whole = f"The whole call of cayley takes {1e3 * told['cayley']['whole_call_s']['median']:.0f} ms."
+    found = f"A cantilever of {told['elements']} elements.\n\n{table(head, rows)}\n\n{whole}"
+    if "cayley_s" not in modes:
+        return found
+    times = [(name, ranged(modes[f"{name}_s"], 3)) for name in ("cayley", "dense", "exudyn") if f"{name}_s" in modes]
+    kind = f"{modes['modes']} modes of {modes['elements']} elements, to {modes['largest_difference']:.0e} alike"
+    return f"{found}\n\n{kind}.\n\n{table(('program', 'time [s]'), times)}"
+
+
 def sweep(record: Record) -> str:
     """Table of the rods drawn by chance."""
     outcomes, seconds = record["outcomes"], record["seconds"]
@@ -287,6 +310,7 @@ SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "heavy_top": ("Heavy top", heavy_top),
     "sweep": ("Rods drawn by chance", sweep),
     "assembly": ("Joints and closed loops", assembly),
+    "statics": ("Equilibria and modes", statics),
 }
 
 

@@ -15,6 +15,7 @@ What must be seen, and is asserted:
 
 from itertools import pairwise
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import cayley as cy
@@ -62,3 +63,13 @@ assert runs[-1][1] < 3e-3
 assert np.ptp(vertical) < 1e-10 * abs(float(spin[0]))
 assert np.ptp(spin.values) < 1e-10 * abs(float(spin[0]))
 assert abs(ripples[1] / ripples[2] - 4.0) < 0.4
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
+w, x, y, z = run.data["p"].values.T
+left.plot(2 * (x * y - w * z), w**2 - x**2 + y**2 - z**2, lw=1)  # Λ(p) e2: the center, 1 m away
+left.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", title="way of the center, from above")
+for one, _ in runs:
+    right.plot(one.time, one.energy - float(one.energy[0]), lw=1, label=f"{1e3 * one.dt:g} ms")
+right.set(xlabel="time [s]", ylabel="change of the energy [J]", title="a quarter with half the step")
+right.legend()
+plt.show()

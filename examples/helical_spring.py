@@ -1,4 +1,4 @@
-"""A helical spring let go under its own weight, against the formula of spring makers: one curved rod, nothing else.
+"""A helical spring: let go under its own weight, against the formula of spring makers; one curved rod, nothing else.
 
 The wire's axis is a function, its shape without stress; `Rod.along` finds the length, puts frames on it that do not
 twist, and the rod is at rest until the weight acts. As a spring of the rate k = G d⁴/(8 D³ n) and the mass m it is a
@@ -8,6 +8,7 @@ and back.
 What must be seen, and is asserted: both, within 2 %.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import cayley as cy
@@ -34,3 +35,14 @@ print(model)
 print(f"deepest {1e3 * lowest:.3f} mm at {1e3 * when:.1f} ms; by hand {1e3 * deep:.3f} mm at {1e3 * late:.1f} ms")
 assert abs(lowest / deep - 1) < 0.02
 assert abs(when / late - 1) < 0.02
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.8), layout="constrained", width_ratios=(1, 1.6))
+for k, color in ((0, "0.7"), (int(drop.argmax()), "#0072B2")):
+    x, _, z = 1e3 * run[spring].position.values[k].T
+    left.plot(x, z, color=color, lw=1)
+left.set(xlabel="x [mm]", ylabel="z [mm]", aspect="equal", title="before and deepest")
+right.plot(1e3 * run.time, 1e3 * drop)
+right.plot(1e3 * late, 1e3 * deep, "k+", ms=12, label="m g/k at 2 √(m/k)")
+right.set(xlabel="time [ms]", ylabel="drop of the free end [mm]")
+right.legend()
+plt.show()

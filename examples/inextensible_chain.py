@@ -5,6 +5,7 @@ stretching waves bounds the step. Here ‖x′‖ = 1 holds by Lagrange multipli
 vibrates faster than the chain swings. The lowest mode is y = J₀(j √(1 - s/ℓ)) cos ωt with ω = ½ j √(g/ℓ), j = 2.404826.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.special import j0, jn_zeros
 
@@ -41,3 +42,12 @@ print(f"{run.steps} steps of {run.dt:.2g} s; links differ from their length by {
 print(f"shape after one period differs by {np.abs(x[-1, :, 0] - shape).max() / amplitude:.1e} of the amplitude")
 assert np.abs(links - 1.0).max() < 1e-12
 assert np.abs(x[-1, :, 0] - shape).max() < 5e-3 * amplitude
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.6), layout="constrained")
+for k in range(0, 51, 10):
+    left.plot(1e3 * x[k, :, 0], x[k, :, 2], color=plt.cm.viridis(k / 60), label=f"{run.time[k]:.2f} s")
+left.set(xlabel="x [mm]", ylabel="z [m]", title="half a period")
+left.legend(fontsize=7)
+right.plot(run.time, np.abs(links - 1.0).max(axis=1))
+right.set(xlabel="time [s]", ylabel="largest stretch of a link [-]", title="rounding, and no more")
+plt.show()

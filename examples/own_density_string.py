@@ -9,6 +9,7 @@ what is strain and what is load, that all nodes are explicit, and the stable ste
 stretch (1e-4) does not matter; the start is its hanging equilibrium plus a thousandth of the first mode.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.special import j0, jn_zeros
 
@@ -56,3 +57,15 @@ print(f"energy ripple {np.ptp(energy) / swing:.1e} of the energy in the swing")
 assert abs(quarter) < 1e-3
 assert np.abs(x[-1] - shape).max() < 1e-3 * amplitude
 assert np.ptp(energy) < 1e-3 * swing
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
+left.plot(x[-1] / amplitude, s, label="after one period")
+left.plot(shape[::8] / amplitude, s[::8], "k.", label="Bernoulli's J₀")
+left.invert_yaxis()
+left.set(xlabel="displacement over amplitude", ylabel="s [m]")
+left.legend()
+right.plot(run.time, x[:, -1] / amplitude)
+right.plot(run.time, np.cos(2 * np.pi * run.time / period), "k--", lw=0.8, label="cos ωt")
+right.set(xlabel="time [s]", ylabel="tip over amplitude")
+right.legend()
+plt.show()

@@ -18,6 +18,7 @@ leaves the inertia and the torque open; those here are our choice, and with them
 1.3e-4 s.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import cayley as cy
@@ -58,3 +59,15 @@ assert float(np.ptp(spin)) < 1e-10
 assert abs(float(run.kinetic_energy.max()) - 2.149) < 2e-3
 assert np.abs(tip - (-1.399, -0.824, -1.185)).max() < 2e-3
 assert np.abs(lengths - 1).max() < 1e-11
+
+figure, (top, bottom) = plt.subplots(2, 1, figsize=(7.4, 4.2), sharex=True, layout="constrained")
+for series, name in ((run.kinetic_energy, "T"), (run.potential_energy, "V"), (run.energy, "E = T + V")):
+    top.plot(run.time, series, label=name)
+for axis in "xyz":
+    bottom.plot(run.time, run.angular_momentum.sel(axis=axis), label=axis)
+for axes, label in ((top, "energy [J]"), (bottom, "angular momentum [kg m²/s]")):
+    axes.axvspan(0, 2, color="0.93")
+    axes.set_ylabel(label)
+    axes.legend(loc="right")
+bottom.set_xlabel("time [s]; the torque acts where it is gray")
+plt.show()

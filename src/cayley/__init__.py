@@ -42,6 +42,14 @@ _HOMES = {
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
+    "modes": "vibration",
+    "Modes": "vibration",
+    "matrices": "vibration",
+    "frequency_response": "vibration",
+    "campbell": "vibration",
+    "trace": "continuation",
+    "Path": "continuation",
+    "buckling": "continuation",
     "Trajectory": "results.trajectory",
 }
 _RENAMED = {"compile": ("system.compile", "compile_lagrangian")}
@@ -54,6 +62,7 @@ _MODULES = {
     "springs": "model.springs",
     "densities": "density.library",
 }
+_EXTENSIONS = {"plot": ("report.plots", "Plots"), "animate": ("report.film", "film")}
 
 __all__ = ["__version__", *_HOMES, *_RENAMED, *_MODULES]
 
@@ -73,12 +82,21 @@ def __getattr__(name: str) -> Any:
     return value
 
 
+def extension(name: str) -> Any:
+    """What a layer above the results adds to a Trajectory, loaded when first used: results know no reports."""
+    module, own = _EXTENSIONS[name]
+    return getattr(importlib.import_module(f"cayley.{module}"), own)
+
+
 def __dir__() -> list[str]:
     """Public names."""
     return sorted(__all__)
 
 
 if TYPE_CHECKING:
+    from cayley.continuation import Path as Path
+    from cayley.continuation import buckling as buckling
+    from cayley.continuation import trace as trace
     from cayley.density.expression import cross as cross
     from cayley.density.expression import dot as dot
     from cayley.density.expression import norm as norm
@@ -120,5 +138,10 @@ if TYPE_CHECKING:
     from cayley.statics import EquilibriumError as EquilibriumError
     from cayley.statics import equilibrium as equilibrium
     from cayley.system.compile import compile_lagrangian
+    from cayley.vibration import Modes as Modes
+    from cayley.vibration import campbell as campbell
+    from cayley.vibration import frequency_response as frequency_response
+    from cayley.vibration import matrices as matrices
+    from cayley.vibration import modes as modes
 
     compile = compile_lagrangian

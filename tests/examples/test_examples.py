@@ -2,24 +2,34 @@
 
 import re
 import runpy
+import sys
 from pathlib import Path
 
+import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+EXAMPLES = sorted((ROOT / "examples").rglob("*.py"))
+matplotlib.use("Agg")  # no window, whatever the screen
 SNIPPETS = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.M | re.S)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_example(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    runpy.run_path(str(path), run_name="__main__")
+def test_example(path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """It runs, says something and draws something: these are the pages of the gallery."""
+    monkeypatch.setattr(plt, "show", lambda: None)
+    monkeypatch.setattr(sys, "argv", [str(path)])
+    found = runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out
+    assert plt.get_fignums() or found["figure"].axes
+    plt.close("all")
 
 
 def test_there_are_examples_and_snippets() -> None:
     assert {"paper_beam", "own_density_string", "heavy_top", "rubber_pendulum"} <= {path.stem for path in EXAMPLES}
+    assert len(EXAMPLES) >= 20
     assert len(SNIPPETS) >= 2
 
 

@@ -7,7 +7,6 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import cayley as cy
-from reference.statics import Discrete
 from verify.problems import slopes
 
 galerkin = cy.rules.galerkin
@@ -27,23 +26,26 @@ def rubber(length, elements, shear=1.0):
 
 @functools.cache
 def settled(length, elements, rule, shear=1.0):
-    """A rod and its equilibrium, found from a finer mesh or another shear stiffness; the finest by adding load."""
-    discrete = Discrete(rubber(length, elements, shear)[1], rule)
+    """Nodes of a rod and its equilibrium, found from a finer mesh or another shear stiffness; the finest by itself."""
+    rod, model = rubber(length, elements, shear)
     if (rule, shear) == (FINE, 1.0):
-        return discrete, discrete.settled(shares=np.geomspace(3e-3, 1.0, 8))
+        return model, cy.equilibrium(model, rule=rule)
     if shear != 1.0:
-        start = settled(length, elements, rule, shear * (0.1 if shear > 1.0 else 10.0))[1]
-    else:
-        finest, values = settled(length, FINEST, FINE)
-        start = CubicSpline(finest.system.nodes, values)(discrete.system.nodes)
-        start[:, :4] /= np.linalg.norm(start[:, :4], axis=1, keepdims=True)
-    return discrete, discrete.settled(start)
+        return model, cy.equilibrium(model, rule=rule, start=settled(length, elements, rule)[1])
+    finest = settled(length, FINEST, FINE)[1].still
+    start = CubicSpline(finest.system.nodes, finest.values)
+    initial = {"position": lambda s: start(s)[4:], "rotation": lambda s: unit(start(s)[:4])}
+    return model, cy.equilibrium(model, rule=rule, initial={rod: initial})
+
+
+def unit(q):
+    return q / np.linalg.norm(q)
 
 
 def quarters(length, elements, rule, shear=1.0):
     """Places of the quarters of the rod, per length."""
-    discrete, values = settled(length, elements, rule, shear)
-    return values[:: elements * rule.degree // 4, discrete.layout.rows_of("x")] / length
+    still = settled(length, elements, rule, shear)[1].still
+    return still.values[:: elements * rule.degree // 4, 4:] / length
 
 
 def errors(length, rule, meshes, shear=1.0):
@@ -98,10 +100,6 @@ def test_order_of_two_node_rules(rule):
 @pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.screw, galerkin(time=2, space=3)], ids=str)
 def test_a_run_stays_in_equilibrium(rule):
     """What is solved here is at rest for the compiled steps: nothing moves by more than Newton's tolerance."""
-    rod, model = rubber(0.25, 8)
-    discrete, values = settled(0.25, 8, rule)
-    layout = discrete.layout
-    start = {rod: {"position": values[:, layout.rows_of("x")], "rotation": values[:, layout.rows_of("p")]}}
-    dt = 1e-3 if rule.implicit else None
-    run = cy.simulate(model, 0.05, dt, rule=rule, save_every=0.01, initial=start)
-    assert np.abs(run.frames.values[..., layout.rows_of("x")] - values[:, layout.rows_of("x")]).max() < 1e-9
+    model, rest = settled(0.25, 8, rule)
+    run = cy.simulate(model, 0.05, 1e-3 if rule.implicit else None, rule=rule, save_every=0.01, start=rest)
+    assert np.abs(run.frames.values[..., 4:] - rest.still.values[:, 4:]).max() < 1e-9

@@ -7,7 +7,6 @@ import pytest
 
 import cayley as cy
 from reference import timoshenko
-from reference.statics import Discrete
 from reference.straight_rod import slender
 from verify.problems import fitted
 
@@ -28,13 +27,13 @@ def errors(rule, slenderness, elements):
     """Relative errors of the tip deflection and of three frequencies; slenderness is l √(A/I)."""
     section = slender(2.0 / slenderness)
     rod = cy.Rod(section, length=1.0, elements=elements)
-    discrete = Discrete(cy.Model(rod, supports=[cy.supports.clamp(rod.start)]), rule)
-    kind, layout = discrete.free % discrete.layout.dofs, discrete.layout
-    plane = np.flatnonzero((kind == layout.dofs_of("x").start + 1) | (kind == layout.dofs_of("p").start))
-    stiffness = discrete.strained(discrete.system.reference)[1].toarray()[np.ix_(plane, plane)]
-    flexibility = np.linalg.inv(stiffness)  # whose largest eigenvalues survive rounding
-    root = np.sqrt(discrete.node_terms()[1][plane])
-    tip = np.flatnonzero(kind[plane] == layout.dofs_of("x").start + 1)[-1]
+    still = cy.equilibrium(cy.Model(rod, supports=[cy.supports.clamp(rod.start)]), rule=rule).still
+    layout = still.system.layout
+    along, about = (still.dofs[1:, k] for k in (layout.dofs_of("x").start + 1, layout.dofs_of("p").start))
+    plane = np.ix_(np.r_[along, about], np.r_[along, about])
+    flexibility = np.linalg.inv(-still.matrix(0).toarray()[plane])  # whose largest eigenvalues survive rounding
+    root = np.sqrt(-still.matrix(2).toarray()[plane].diagonal())
+    tip = len(along) - 1
     squares = np.linalg.eigvalsh(0.5 * root[:, None] * (flexibility + flexibility.T) * root)[::-1][:3]
     deflection = flexibility[tip, tip] / timoshenko.tip_compliance(section, 1.0) - 1.0
     return deflection, squares**-0.5 / timoshenko.frequencies(section, 1.0) - 1.0

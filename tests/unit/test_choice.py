@@ -12,6 +12,7 @@ import cayley as cy
 from cayley import choice
 from cayley.choice import Alternative, Task, Unreached, choose, costs, pilot, settle
 from cayley.choice.pilot import Track
+from cayley.system.discretize import discretize
 
 EXPLICIT, MIDPOINT, QUARTIC = cy.rules.verlet, cy.rules.midpoint, cy.rules.galerkin(time=2)
 COSTS = {EXPLICIT: 1e-8, MIDPOINT: 1e-6, QUARTIC: 1e-5}
@@ -337,3 +338,32 @@ def test_accuracy_that_is_none(accuracy: Any) -> None:
     else:
         with pytest.raises(ValueError, match=r"^accuracy is .*; give a number between 1e-12 and 0.5, such as 1e-3$"):
             cy.simulate(model, t_end=0.1, accuracy=accuracy)
+
+
+def test_joints_and_springs_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An explicit step costs much more with a joint, less with a spring alone; an implicit one about the same."""
+    monkeypatch.setattr(costs, "seconds_per_node", COSTS.__getitem__)
+    rod = cy.Rod(
+        cy.Section.circle(5e-3, cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)),
+        length=1.0,
+        elements=3,
+    )
+    place = cy.ground.at((0, 0, 1.5))
+    joined = cy.Model(rod, joints=[cy.joints.rigid_link(rod.end, place)])
+    sprung = cy.Model(rod, springs=[cy.springs.linear(rod.end, place, stiffness=1.0)])
+    asked = [(model, rule) for model in (joined, sprung, cy.Model(rod)) for rule in (EXPLICIT, MIDPOINT)]
+    found = [costs.seconds_of_ties(rule, discretize(model, rule)) / COSTS[rule] for model, rule in asked]
+    assert found == pytest.approx([costs.JOINED, costs.JOINED_IMPLICIT, costs.SPRUNG, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("spin", [5.0, 150.0])
+def test_bodies_alone(spin: float) -> None:
+    """A heavy top, slow and fast: rule and step are chosen, and its angles are as exact as wanted."""
+    top = cy.Body(mass=15.0, inertia=np.diag([0.234375, 0.46875, 0.234375]), position=(0, 1, 0), name="top")
+    tip = cy.joints.ball(top.centre.offset((0, -1, 0)), cy.ground)
+    model = cy.Model(top, joints=[tip], loads=[cy.loads.gravity((0, 0, -9.81))])
+    start = {top: {"angular_velocity": (0, spin, 0)}}
+    run = cy.simulate(model, t_end=0.3, accuracy=1e-3, initial=start)
+    finer = cy.simulate(model, t_end=0.3, dt=0.1 * run.dt, rule=cy.rules.by_name(run.rule), initial=start)
+    apart = 2.0 * np.linalg.norm((run[top].rotation - finer[top].rotation).values, axis=1).max()
+    assert apart < 1e-3

@@ -74,6 +74,33 @@ def test_the_tangent_is_symmetric_where_loads_are_conservative():
     assert np.abs((tangent - tangent.T).toarray()).max() < 1e-14 * np.abs(tangent.toarray()).max()
 
 
+def test_positions_settle_with_rotations_held():
+    """With rotations as they are, one correction balances all forces and closes joints; welds hold some for nothing."""
+    system = discretize(everything(), cy.rules.midpoint)
+    still = Still.at(system, system.reference)
+    moved(still, 0.1)
+    turned = still.values[:, system.layout.rows_of("p")]
+    positions = still.dofs[:, system.layout.dofs_of("x")][system.free[:, system.layout.dofs_of("x")]]
+    before = np.abs(still.force()[positions]).max()
+    x = still.settle()
+    rotations = still.dofs[:, system.layout.dofs_of("p")]
+    assert np.all(x[rotations] == 0.0)
+    still.move(x)
+    np.testing.assert_array_equal(still.values[:, system.layout.rows_of("p")], turned)
+    assert np.abs(still.force()[positions]).max() < 1e-9 * before
+    assert np.abs(still.settle()).max() < 1e-9 * np.abs(x).max()
+
+
+def test_loads_without_an_energy_are_told():
+    assert cy.equilibrium(frame()).conservative
+    rod = cy.Rod(TUBE, length=2.0, elements=4, direction=(1, 0, 0), normal=(0, 1, 0))
+    moment = loads.moment(rod.end, (0, -np.pi * TUBE.stiffness[3, 3], 0))
+    rest = cy.equilibrium(cy.Model(rod, supports=[supports.clamp(rod.start)], loads=[moment]), rule=cy.rules.screw)
+    assert not rest.conservative
+    assert rest.free_motions == []
+    assert "stability open under loads without an energy" in repr(rest)
+
+
 def test_the_frame_hangs_as_by_hand():
     model = frame()
     mast, arm, _ = model.parts

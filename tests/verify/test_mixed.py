@@ -296,7 +296,7 @@ def test_refusals():
     whole = cy.LagrangianPart(lagrangian=top, constants={"inertia": np.eye(3), "moment": (0.0, 0.0, 8.0)})
     with pytest.raises(ValueError, match="parts of several densities want rotation='quaternion'"):
         cy.simulate(cy.Model(rod, whole), 0.1, 1e-4, rotation="matrix")
-    with pytest.raises(ValueError, match="use verlet, screw, midpoint"):
+    with pytest.raises(ValueError, match="use verlet, screw, spectral, midpoint"):
         cy.simulate(pendulum(), 0.1, 1e-4, rule=rules.nodal)
     run = cy.simulate(cy.Model(rod, whole), 0.01, 1e-4)
     with pytest.raises(AttributeError, match="several densities have no density in common; ask each of"):

@@ -64,7 +64,7 @@ def choose(task: Task, rules: Sequence[Rule], *, thorough: bool = False) -> Choi
     contest.promise = min((hope.cost for hope in explicit), default=math.inf)
     if contest.promise <= CHEAP and not thorough:
         contest.enter(explicit)
-        if contest.best is not None:
+        if contest.best is not None and contest.best.cost <= CHEAP:  # accuracy may ask for more than the limit does
             return contest.result()
         contest.promise = math.inf
     hopes = [hope for hope in explicit if hope.rule not in contest.tried]

@@ -86,7 +86,7 @@ def follow(system: System, state: State, spacing: float, frames: int, h: float) 
     start = state.at_step(spacing / stride)
     received = [start.values[None]]
 
-    def receive(values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
+    def receive(values: np.ndarray, momenta: np.ndarray, **more: np.ndarray) -> None:
         received.append(values)
 
     result = stepper_of(system).run(system, start, stride=stride, saves=frames, receive=receive)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cayley.choice.costs import CONSTRAINED, CONSTRAINED_IMPLICIT, seconds_per_step
+from cayley.choice.costs import seconds_per_step
 from cayley.choice.pilot import Track, differences, follow, frames_of
 from cayley.choice.schedule import schedule
 from cayley.discrete.rules import Rule
@@ -55,7 +55,7 @@ class Task:
         accuracy: largest wanted position error over the extent.
         loads: time to evaluate the loads once [s].
         busy_after: time from the start by which all loads have begun [s]; a window is longer.
-        constrained: whether the density has constraints, which make a step dearer.
+        ties: time that joints, springs and constraints add to a step of a rule [s].
         whole: whether the window of every trial is the whole run.
         limits: upper bounds of the step of some rules [s], known from runs that stopped.
         known: trials made so far, by rule, step and frames.
@@ -69,7 +69,7 @@ class Task:
     accuracy: float
     loads: float = 0.0
     busy_after: float = 0.0
-    constrained: bool = False
+    ties: Callable[[Rule], float] = lambda rule: 0.0
     whole: bool = False
     limits: Mapping[Rule, float] = field(default_factory=dict)
     known: dict[tuple[Rule, float, int], Track | None] = field(default_factory=dict, compare=False, repr=False)
@@ -231,6 +231,4 @@ def expected_difference(task: Task, coarse: Track, fine: Track) -> float:
 def _per_step(task: Task, rule: Rule) -> float:
     """Expected wall time of a step [s]."""
     evaluations = len(rule.time.at) if rule.implicit else 1
-    dearer = CONSTRAINED_IMPLICIT if rule.implicit else CONSTRAINED
-    own = seconds_per_step(rule, task.nodes) * (dearer if task.constrained else 1.0)
-    return own + evaluations * task.loads
+    return seconds_per_step(rule, task.nodes) + task.ties(rule) + evaluations * task.loads

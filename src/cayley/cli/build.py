@@ -63,7 +63,8 @@ def build(tables: schema.ScenarioTables) -> Model:
     sprung: list[Spring] = _ties(tables, "spring", spring_of, parts, found)
     _check_initial(tables, found)
     _check_report(tables, found)
-    if tables.run.dt is not None and tables.run.accuracy is not None:
+    _check_trace(tables, parts, found)
+    if tables.run is not None and tables.run.dt is not None and tables.run.accuracy is not None:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
     with found.at():
@@ -160,7 +161,7 @@ def _ties(tables: schema.ScenarioTables, word: str, make: Any, parts: Mapping[st
     """Joints or springs."""
     made = []
     for k, table in enumerate(getattr(tables, word)):
-        wrong = motion_problems(table, tables.run.t_end)
+        wrong = motion_problems(table, tables.t_end)
         for key, text in wrong:
             found.add((word, k, key), text)
         sides = []
@@ -180,7 +181,7 @@ def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Part], found: _F
         if port is not None:
             with found.at("support", k):
                 if not isinstance(table, (schema.HoldTable, schema.PinTable)):
-                    wrong = motion_problems(table, tables.run.t_end)
+                    wrong = motion_problems(table, tables.t_end)
                     for key, text in wrong:
                         found.add(("support", k, key), text)
                     if not wrong:
@@ -215,7 +216,7 @@ def _loads(
             target = _port(table.at, parts, ("load", k, "at"), found)
         else:
             target = _rod(table.rod, rods, ("load", k, "rod"), found)
-        good = _check_expressions(table, tables.run.t_end, ("load", k, "value"), found)
+        good = _check_expressions(table, tables.t_end, ("load", k, "value"), found)
         if target is not None and good:
             with found.at("load", k):
                 timing = {"frame": table.frame, "start": table.start, "until": table.until}
@@ -263,7 +264,7 @@ def _check_initial(tables: schema.ScenarioTables, found: _Found) -> None:
 
 
 def _check_report(tables: schema.ScenarioTables, found: _Found) -> None:
-    wanted, t_end = tables.report or schema.ReportTable(), tables.run.t_end
+    wanted, t_end = tables.report or schema.ReportTable(), tables.t_end
     for t in wanted.snapshots or ():
         if not 0.0 <= t <= t_end:
             found.add(("report", "snapshots"), f"holds {t:g}; allowed: from 0 to t_end = {t_end:g} s")
@@ -271,6 +272,28 @@ def _check_report(tables: schema.ScenarioTables, found: _Found) -> None:
     for node in wanted.nodes or ():
         if not -most - 1 <= node <= most:
             found.add(("report", "nodes"), f"holds {node}; allowed: from 0 to {most}, or from -1 back to {-most - 1}")
+
+
+def _check_trace(tables: schema.ScenarioTables, parts: Mapping[str, Part], found: _Found) -> None:
+    wanted = tables.trace
+    if wanted is None:
+        return
+    numbered = [f"load #{k + 1}" for k in range(len(tables.load))]
+    moving = [getattr(tie, "name", "") for tie in (*tables.support, *tables.joint)]
+    known = [*numbered, *(name for name in moving if name)]
+    words = wanted.parameter
+    if isinstance(words, str):
+        known, words = ["time", *known], [words]
+    for word in words:
+        if word not in known:
+            found.add(("trace", "parameter"), problems.unlike(word, known))
+    low, high = sorted(wanted.range)
+    if low == high:
+        found.add(("trace", "range"), f"is {problems.shown(wanted.range)}; allowed: two different numbers in brackets")
+    elif wanted.begin is not None and not low <= wanted.begin <= high:
+        found.add(("trace", "begin"), f"is {wanted.begin:g}; allowed: a number in the range, {low:g} to {high:g}")
+    if wanted.of is not None:
+        _port(wanted.of, parts, ("trace", "of"), found)
 
 
 def _rod(name: str, rods: Mapping[str, Rod], place: Place, found: _Found) -> Rod | None:

@@ -115,18 +115,9 @@ def write_report_of(run: Any, scenario: Scenario | None, path: Path, console: Co
     """Write the HTML report of a run."""
     from cayley.report import write_report
 
-    asked = None if scenario is None else scenario.tables.report
-    notes = None if scenario is None else scenario.tables.notes
+    options = {} if scenario is None else scenario.report_options()
     with console.status("Writing the report"):
-        write_report(
-            run,
-            path,
-            title=None if scenario is None else scenario.title,
-            scenario_text=None if scenario is None else scenario.text,
-            notes=() if notes is None else (notes.title, *notes.paragraphs),
-            times=asked.snapshots if asked else None,
-            nodes=asked.nodes if asked else None,
-        )
+        write_report(run, path, **options)
     console.print(f"Report:  {path}", soft_wrap=True)
 
 

@@ -15,6 +15,7 @@ app = typer.Typer(
 )
 
 
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Where `cayley run` wrote, or a store NAME.zarr.")]
 Report = Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML report.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object instead of tables.")]
@@ -65,7 +66,7 @@ def run(
 
 @app.command()
 def resume(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where `cayley run` wrote, or a store NAME.zarr.")],
+    folder: Folder,
     until: Annotated[
         float | None,
         typer.Option(metavar="TIME", help="End of the run [s]; that which was asked for.", show_default=False),
@@ -131,7 +132,7 @@ def new(
 
 @app.command()
 def export(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where `cayley run` wrote, or a store NAME.zarr.")],
+    folder: Folder,
     kind: Annotated[str, typer.Option("--to", metavar="KIND", help="csv, netcdf or vtk.")] = "csv",
     out: Annotated[
         Path | None, typer.Option(metavar="PATH", help="Where it goes; DIR/KIND if not given.", show_default=False)
@@ -158,6 +159,29 @@ def doctor() -> None:
 
 
 @app.command()
+def modes(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(min=1, help="Number of modes; that of the file, or 10.", show_default=False)
+    ] = None,
+    report: Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML page.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Find the modes of a scenario about its equilibrium: a table, a Zarr store, pictures, a page where they move.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+    """
+    from cayley.cli.modes import modes
+
+    raise typer.Exit(modes(scenario, out=out, count=count, report=report, quiet=quiet))
+
+
+@app.command()
 def advise(
     scenario: Annotated[
         str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
@@ -178,6 +202,42 @@ def advise(
     from cayley.cli.advise import advise
 
     raise typer.Exit(advise(scenario, accuracy=accuracy))
+
+
+@app.command()
+def report(
+    folder: Folder,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.html", help="The report; DIR/report.html if not given.", show_default=False),
+    ] = None,
+) -> None:
+    """Write the HTML report of a run that is on the disk: one file that plays it and needs no network.
+
+    Exit codes: 0 done, 2 something is wrong with the input.
+
+    Example: cayley report runs/leitz2014
+    """
+    from cayley.cli.look import write
+
+    raise typer.Exit(write(folder, out))
+
+
+@app.command()
+def view(
+    folder: Folder,
+    port: Annotated[int, typer.Option(help="Of the server on this machine; 0: any that is free.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
+) -> None:
+    """Watch a run in a browser, also one in progress: a server on this machine alone follows its store.
+
+    Exit codes: 0 ended by Ctrl+C, 2 something is wrong with the input.
+
+    Example: cayley view runs/leitz2014
+    """
+    from cayley.cli.look import view
+
+    raise typer.Exit(view(folder, port=port, browser=browser))
 
 
 @app.command()
@@ -208,6 +268,45 @@ def sweep(
     from cayley.cli.sweep import sweep
 
     raise typer.Exit(sweep(scenario, settings or [], out=out, workers=workers, wanted=Wanted(quiet=quiet)))
+
+
+@app.command()
+def trace(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml", help="A scenario file with a table [trace].", show_default=False)
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Follow equilibria of a scenario along a parameter: limit and bifurcation points, a Zarr store, a diagram.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+    """
+    from cayley.cli.trace import trace
+
+    raise typer.Exit(trace(scenario, out=out, quiet=quiet))
+
+
+@app.command()
+def statics(
+    scenario: Annotated[
+        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+    ] = None,
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the deformed shape.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Find the equilibrium of a scenario: ends, reactions and largest moments, a Zarr store, a picture.
+
+    Exit codes: 0 done, 2 something is wrong with the input, 3 no equilibrium was found.
+    """
+    from cayley.cli.statics import statics
+
+    raise typer.Exit(statics(scenario, out=out, picture=picture, quiet=quiet))
 
 
 @app.command()

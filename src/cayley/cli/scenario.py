@@ -25,11 +25,13 @@ class Scenario:
 
     Attributes:
         name: of the file, without `.toml`.
+        file: how messages call it.
         text: of the file.
         tables: its contents.
     """
 
     name: str
+    file: str
     text: str
     tables: schema.ScenarioTables
 
@@ -40,12 +42,29 @@ class Scenario:
 
     @property
     def run(self) -> schema.RunTable:
-        """The `[run]` table."""
+        """The `[run]` table.
+
+        Raises:
+            ScenarioError: there is none.
+        """
+        if self.tables.run is None:
+            raise ScenarioError(self.file, ["run: is missing; allowed: a [run] table with t_end"])
         return self.tables.run
 
     def model(self) -> Model:
         """The model it describes."""
         return build(self.tables)
+
+    def report_options(self) -> dict[str, Any]:
+        """The arguments of `cayley.report.write_report` besides run and path."""
+        shown, notes = self.tables.report, self.tables.notes
+        return {
+            "title": self.title,
+            "scenario_text": self.text,
+            "notes": () if notes is None else (notes.title, *notes.paragraphs),
+            "times": shown.snapshots if shown else None,
+            "nodes": shown.nodes if shown else None,
+        }
 
     def options(self) -> dict[str, Any]:
         """The arguments of `cayley.simulate` besides the model."""
@@ -134,8 +153,10 @@ def parse(text: str, *, name: str, file: str) -> Scenario:
         raise ScenarioError(file, [f"TOML syntax: {error}"]) from None
     except ValidationError as error:
         raise ScenarioError(file, problems.of_validation(error)) from None
+    if tables.statics is None and tables.run is None:
+        raise ScenarioError(file, ["run: is missing; allowed: a [run] table with t_end, or a [statics] table"])
     try:
         build(tables)
     except BuildError as error:
         raise ScenarioError(file, error.found) from None
-    return Scenario(name, text, tables)
+    return Scenario(name, file, text, tables)

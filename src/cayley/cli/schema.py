@@ -10,13 +10,17 @@ from pydantic import Discriminator, Field
 from cayley.cli import force_tables, tie_schema
 from cayley.cli.expressions import LANGUAGE
 from cayley.cli.force_tables import FORCE_TABLES, DampingTable
+from cayley.cli.modes_schema import ModesTable
 from cayley.cli.own_parts import PartTable
 from cayley.cli.schema_base import NAME as _NAME
 from cayley.cli.schema_base import PORT as _NODE
 from cayley.cli.schema_base import Name, Table, Until, Vector
 from cayley.cli.schema_base import positive as _positive
+from cayley.cli.schema_base import rule as _rule
 from cayley.cli.schema_base import vector as _vector
+from cayley.cli.statics_schema import StaticsTable
 from cayley.cli.tie_schema import BodyTable, JointTable, SpringTable
+from cayley.cli.trace_schema import TraceTable
 
 _AXES = 'letters out of "xyz", each once'
 _SHEAR = 'a positive number [-], two in brackets, one for each axis of the section, "cowper" or "none"'
@@ -216,13 +220,7 @@ class RunTable(Table):
 
     t_end: float = _positive("s")
     dt: float | None = Field(None, gt=0, description="a positive number [s]; left out: the largest safe step")
-    rule: str | None = Field(
-        None,
-        pattern=r"^(nodal|verlet|screw|midpoint|nodal_midpoint|screw_midpoint|spectral\(space=[1-8]\)"
-        r"|galerkin\(time=[1-8](, space=[1-8])?\))$",
-        description='"nodal", "verlet", "screw", "midpoint", "nodal_midpoint", "screw_midpoint", '
-        '"spectral(space=4)" or "galerkin(time=2, space=2)" with degrees 1 to 8',
-    )
+    rule: str | None = _rule()
     save_every: float | None = Field(None, gt=0, description="a positive number [s]; left out: t_end/500")
     accuracy: float | None = Field(
         None, gt=1e-12, lt=0.5, description="a number between 1e-12 and 0.5, such as 1e-3, instead of dt"
@@ -278,14 +276,29 @@ class ScenarioTables(Table):
     spring: list[SpringTable] = Field([], description="[[spring]] tables")
     load: list[LoadTable] = Field([], description="[[load]] tables")
     initial: list[InitialTable] = Field([], description="[[initial]] tables")
-    run: RunTable = Field(description="a [run] table with t_end")
+    modes: ModesTable | None = Field(None, description="a [modes] table")
+    trace: TraceTable | None = Field(None, description="a [trace] table with a parameter")
+    run: RunTable | None = Field(None, description="a [run] table with t_end")
+    statics: StaticsTable | None = Field(None, description="a [statics] table")
     report: ReportTable | None = Field(None, description="a [report] table")
     notes: NotesTable | None = Field(None, description="a [notes] table")
+
+    @property
+    def t_end(self) -> float:
+        """The last time for which anything is wanted [s]."""
+        return max(self.run.t_end if self.run else 0.0, self.statics.time if self.statics else 0.0)
 
 
 Place = tuple[str | int, ...]
 
-_ONE: dict[str, type[Table]] = {"run": RunTable, "report": ReportTable, "notes": NotesTable}
+_ONE: dict[str, type[Table]] = {
+    "run": RunTable,
+    "statics": StaticsTable,
+    "modes": ModesTable,
+    "trace": TraceTable,
+    "report": ReportTable,
+    "notes": NotesTable,
+}
 _MANY: dict[str, type[Table]] = {"material": MaterialTable, "rod": RodTable, "initial": InitialTable}
 _MANY |= {"body": BodyTable, "part": PartTable}
 _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {

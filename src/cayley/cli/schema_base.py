@@ -25,6 +25,17 @@ def positive(unit: str) -> Any:
     return Field(gt=0, description=f"a positive number [{unit}]")
 
 
+def rule() -> Any:
+    """A rule by its name; left out: None."""
+    return Field(
+        None,
+        pattern=r"^(nodal|verlet|screw|midpoint|nodal_midpoint|screw_midpoint|spectral\(space=[1-8]\)"
+        r"|galerkin\(time=[1-8](, space=[1-8])?\))$",
+        description='"nodal", "verlet", "screw", "midpoint", "nodal_midpoint", "screw_midpoint", '
+        '"spectral(space=4)" or "galerkin(time=2, space=2)" with degrees 1 to 8',
+    )
+
+
 def vector(unit: str, default: Any = ...) -> Any:
     """Three numbers."""
     return Field(default, description=f"three numbers in brackets [{unit}]")

@@ -65,11 +65,23 @@ class Kernels:
 
 
 def compiled(program: Program, lanes: int, signature: str = "") -> Kernel:
-    """Machine code of a program by itself; name and signature must determine it, with the sources of this package."""
+    """Machine code of a program by itself; name and signature must determine it, with the sources of this package.
+
+    A process loads it once, if there is a signature.
+    """
+    if (signature, program.name, lanes) in _LOADED:
+        return _LOADED[signature, program.name, lanes]
     names = (program.name, f"{program.name}_setup", f"{program.name}_width")
     key = "\n".join([signature, str(lanes), sources_digest()])
     (run, setup, width), _ = jit.load(names, functools.partial(print_ir, program, lanes), key)
-    return Kernel(run, setup, ctypes.CFUNCTYPE(ctypes.c_int64)(width)())
+    found = Kernel(run, setup, ctypes.CFUNCTYPE(ctypes.c_int64)(width)())
+    if signature:
+        _LOADED[signature, program.name, lanes] = found
+    return found
+
+
+_LOADED: dict[tuple[str, str, int], Kernel] = {}
+"""Kernels that this process has loaded; their code lives as long as it does anyway."""
 
 
 def lanes_for(cell: int, cells: int) -> int:

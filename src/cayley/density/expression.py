@@ -101,24 +101,52 @@ def zeros(size: int) -> Expression:
 
 
 def dot(a: Any, b: Any) -> Any:
-    """Return the scalar product Σ aᵢ bᵢ of two vectors."""
+    """Return the scalar product of two vectors.
+
+    a·b = Σ aᵢ bᵢ
+
+    Args:
+        a: numbers or expressions, shape (n,), in any unit.
+        b: the same, shape (n,).
+    """
     return np.dot(a, b)
 
 
 def cross(a: Any, b: Any) -> Any:
-    """Return the vector product a × b of two vectors of length 3."""
+    """Return the vector product of two vectors.
+
+    a × b = (a₂ b₃ − a₃ b₂, a₃ b₁ − a₁ b₃, a₁ b₂ − a₂ b₁)
+
+    Args:
+        a: numbers or expressions, shape (3,), in any unit.
+        b: the same, shape (3,).
+
+    Returns: an expression, shape (3,).
+    """
     a, b = (wrap(np.asarray(v)) for v in (a, b))
     entries = [a[i] * b[k] - a[k] * b[i] for i, k in ((1, 2), (2, 0), (0, 1))]
     return wrap(np.array([_entry(e) for e in entries]))
 
 
 def norm(a: Any) -> Any:
-    """Return the Euclidean length √(a·a) of a vector."""
+    """Return the Euclidean length of a vector.
+
+    ‖a‖ = √(a·a)
+
+    Args:
+        a: numbers or expressions, shape (n,), in any unit; its derivative is infinite where a is zero.
+    """
     return np.sqrt(np.dot(a, a))
 
 
 def where(condition: Any, a: Any, b: Any) -> Any:
-    """Return a where the condition holds, else b; both are evaluated, so both must be finite."""
+    """Return a where the condition holds, else b: what Python's `if` is for numbers.
+
+    Args:
+        condition: a comparison of expressions.
+        a: numbers or expressions, where it holds.
+        b: the same, elsewhere; both are evaluated always, so both must be finite.
+    """
     return np.where(condition, a, b)
 
 

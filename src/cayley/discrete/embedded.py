@@ -16,6 +16,7 @@ from cayley.density.expression import Expression, dot, symbols, to_sx, wrap
 from cayley.discrete.element import element_points
 from cayley.discrete.jet import Jet, jet
 from cayley.discrete.layout import Layout
+from cayley.discrete.places import constants_at, placed
 from cayley.discrete.pose import screw_jet, strain_jet, strains_only
 from cayley.discrete.program import Program
 from cayley.discrete.representation import homogeneous
@@ -44,7 +45,8 @@ def point_program(
         layout: rows of a node, rotations as quaternions.
         name: which term.
         points: where the strain terms and the constraints stand.
-        varying: names of constants that differ from point to point.
+        varying: names of constants that differ from point to point, and behind them NAME@1 of what differs between the
+            two corners (see places).
 
     Returns: a program on rows (z, z′, here, inverse, varying ..., λ of constraints) -> (value, derivative by rows,
         upper triangle of the Hessian).
@@ -54,17 +56,18 @@ def point_program(
     multiplier = ca.SX.sym("lambda", count) if term == "constraint_point" else ca.SX(1.0)
     z, slope = symbols("z", layout.rows), symbols("dz", layout.rows)
     here, inverse, t = (ca.SX.sym(n) for n in ("here", "inverse", "t"))
-    place = {"here": wrap(here), "inverse": wrap(inverse), "t": wrap(t)}
+    constants = inputs_by_name(density, varying)
+    place: dict[str, Any] = {"here": wrap(here), "inverse": wrap(inverse), "t": wrap(t)}
+    place["at points"] = [constants_at(constants, k) for k in range(len(points.at))] if points is not None else []
     found = _term(density, layout, term, points, (z, slope), place, multiplier, second=second)
     outputs = [*_entries(found.values), *_entries(found.slope)]
     if found.curvature is not None:
         hessian = ca.densify(found.curvature)
         outputs += [hessian[i, k] for i in range(hessian.size1()) for k in range(i, hessian.size1())]
-    constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
     inputs = [*_list(z), *_list(slope), here, inverse, *(constants[n] for n in varying), *ca.symvar(multiplier)]
     return Program(
         name=name,
-        uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
+        uniforms=(t, *(constants[n] for n in density.names if n not in varying)),
         lanes=tuple((s, i, 0) for i, s in enumerate(inputs)),
         steps=(),
         stores=tuple((len(inputs) + i, v) for i, v in enumerate(outputs)),
@@ -99,6 +102,7 @@ def _term(
     if name != "inertia_point" and points is not None and points.between_ends:
         ends = normalized(layout, at[0]), normalized(layout, at[1])
         where = {"inverse": inverse, "t": t, "left": here, "right": here + 1.0 / inverse}
+        where["at points"] = place["at points"]
         found = element_points(density, points, layout, ends, where)
     else:
         suffix = "t" if name == "inertia_point" else along
@@ -107,6 +111,12 @@ def _term(
         return strain_jet(density, of_point, found, unknown, weights=multiplier, second=second)
     terms = [weight * of_point(point) for weight, point in found]
     return jet(sum(terms[1:], start=terms[0]), unknown, unknown, weights=multiplier, second=second)
+
+
+def inputs_by_name(density: Density, varying: tuple[str, ...]) -> dict[str, ca.SX]:
+    """Symbols of all constants of a density, and of those at places of an element among ``varying``."""
+    known = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
+    return known | {name: ca.SX.sym(name) for name in placed(varying)}
 
 
 def _list(value: Expression) -> list[ca.SX]:

@@ -1,7 +1,8 @@
 """Discrete Euler-Lagrange equations of a Lagrangian under a rule, as programs for the compiler."""
 
+import functools
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from cayley.density import Density
@@ -50,6 +51,8 @@ class DiscreteEquations:
         """
         if name not in self._derived:
             varying = tuple(n for n in self.density.names if n in self.varying)
+            if self.rule.strain.corners and name.startswith(("strain", "force")):
+                varying += placed(self.varying)  # both corners are in one evaluation
             if "force_point" in name:
                 self._derived[name] = force_program(self.density, self.layout, name, self.rule.strain, varying)
             elif name in POINT_PROGRAMS:
@@ -98,8 +101,10 @@ class DiscreteEquations:
     @property
     def signature(self) -> str:
         """Text that determines every program."""
-        rule = f"{self.rule!r} {self.layout.representation.name} {sorted(self.varying)}" + " forced" * self.forced
-        return f"{rule}\n{self.density.signature}"
+        if "signature" not in self._derived:
+            rule = f"{self.rule!r} {self.layout.representation.name} {sorted(self.varying)}" + " forced" * self.forced
+            self._derived["signature"] = f"{rule}\n{self.density.signature}"
+        return self._derived["signature"]
 
 
 def derive(
@@ -134,10 +139,10 @@ def derive(
             f"Lagrangian {lagrangian.name}: velocities are coupled with derivatives along {along} in one term, so the "
             f"nodes do not decouple under the rule {rule.name}; no rule couples them there yet, write the term without"
         )
-    if density.constraints.numel() and (rule.strain.corners or rule.degree > 1):
+    if density.constraints.numel() and rule.strain.corners:
         raise ValueError(
-            f"Lagrangian {lagrangian.name}: the rule {rule} is not there for constrained densities; "
-            f"use verlet, screw, midpoint, screw_midpoint or galerkin(time=...)"
+            f"Lagrangian {lagrangian.name}: the rule {rule}, with its corners in space, is not there for constrained "
+            f"densities; use verlet, screw, spectral, midpoint, screw_midpoint or galerkin"
         )
     if density.constraints.numel() and rotation != "quaternion":
         raise ValueError(f"rotation is {rotation!r}, but constrained densities are there for quaternions only, yet")
@@ -150,7 +155,14 @@ def derive(
     by_node = [name for name in candidates if name not in uniforms] + list(placed(varying))
     forced = not rule.implicit and (density.force is not None or account)
     rows = assign_rows(layout, by_node, rule.cell, interval=along is not None, forced=forced)
-    return DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
+    found = DiscreteEquations(density, rule, layout, rows, uniforms, frozenset(varying))
+    return replace(found, _derived=_derived(found.signature))
+
+
+@functools.lru_cache(maxsize=64)
+def _derived(signature: str) -> dict[str, Any]:
+    """What was derived from equations of the same text: a model made again, with other numbers, waits for nothing."""
+    return {"signature": signature}
 
 
 __all__ = ["UNIFORMS", "DiscreteEquations", "Rows", "derive"]

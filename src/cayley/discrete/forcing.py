@@ -16,9 +16,10 @@ from cayley.density import Density
 from cayley.density.expression import Expression, from_sx, symbols, to_sx, wrap, zeros
 from cayley.density.force import KINDS, MOVING, NODE, SPREAD, STILL, STRAIN
 from cayley.discrete.element import element_points
-from cayley.discrete.embedded import embedded_point, normalized
+from cayley.discrete.embedded import embedded_point, inputs_by_name, normalized
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import node_point, tangent
+from cayley.discrete.places import constants_at
 from cayley.discrete.polynomial import polynomial_points
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points
@@ -196,7 +197,7 @@ def force_program(
         layout: rows of a node, rotations as quaternions.
         name: which forces.
         points: where the strain terms stand.
-        varying: names of constants that differ from point to point.
+        varying: names of constants that differ from point to point (see embedded.point_program).
     """
     at_node, light = name.startswith("node_"), name.endswith("_force")
     along = str(density.lagrangian.interval)
@@ -204,10 +205,12 @@ def force_program(
     parts = [symbols(n, layout.rows) for n in (("z",) if at_node else ("z", "dz"))]
     rates = [symbols(f"{n}_t", layout.rows) for n in (("z",) if at_node else ("z", "dz"))]
     place = {"t": wrap(t), along: wrap(here)}
+    constants = inputs_by_name(density, varying)
     if at_node:
         found: Weighted = [(1.0, embedded_point(layout, parts[0], symbols("unused", layout.rows), "t") | place)]
     elif points is not None and points.between_ends:
         ends = {"inverse": wrap(inverse), "t": wrap(t), "left": wrap(here), "right": wrap(here + 1.0 / inverse)}
+        ends["at points"] = [constants_at(constants, k) for k in range(len(points.at))]
         both = normalized(layout, parts[0]), normalized(layout, parts[1])
         found = _with_quaternions(layout, element_points(density, points, layout, both, ends), list(both))
     else:
@@ -224,11 +227,10 @@ def force_program(
         jacobian = ca.densify(ca.jacobian(f, ca.vertcat(unknown, moving)))
         shifted = moving + TINY * ca.DM(1.0 + np.arange(moving.numel()) / 7.0)  # in no direction of anyone's
         outputs += ca.vertsplit(ca.vec(ca.substitute([jacobian], [moving], [shifted])[0].T))
-    constants = dict(zip(density.names, ca.vertsplit(density.parameters), strict=True))
     inputs = [*ca.vertsplit(unknown), *ca.vertsplit(moving), here, inverse, *(constants[n] for n in varying)]
     return Program(
         name=name,
-        uniforms=(t, *(s for n, s in constants.items() if n not in varying)),
+        uniforms=(t, *(constants[n] for n in density.names if n not in varying)),
         lanes=tuple((s, i, 0) for i, s in enumerate(inputs)),
         steps=(),
         stores=tuple((len(inputs) + i, v) for i, v in enumerate(outputs)),

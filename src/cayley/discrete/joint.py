@@ -13,7 +13,9 @@ F_A, those of 2 Im u moments [N m].
 Source: Géradin, Cardona (2001), Flexible Multibody Dynamics, chapter 7; Haug (1989), section 9.4.
 """
 
+import functools
 from collections.abc import Callable
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -84,11 +86,31 @@ DRIVE = 7
 """Numbers of a prescribed motion: d [m], then the quaternion r."""
 
 
+Derived = TypeVar("Derived")
+Evaluator = Callable[[np.ndarray], np.ndarray]
+"""A program as a function of rows of inputs."""
+
+
+def once(derive: Callable[..., Derived]) -> Callable[..., Derived]:
+    """Derive what depends on a kind, a layout and words once a process."""
+    known: dict[tuple[str, str, str], Derived] = {}
+
+    @functools.wraps(derive)
+    def derived(kind: str, layout: Layout, **options: Any) -> Derived:
+        key = kind, repr(layout), repr(sorted(options.items()))
+        if key not in known:
+            known[key] = derive(kind, layout, **options)
+        return known[key]
+
+    return derived
+
+
 def parameter_count(kind: str) -> int:
     """Number of parameters: offset and frame in a, offset and frame in b, and of a link its length."""
     return 15 if kind == "link" else 14
 
 
+@once
 def joint_program(kind: str, layout: Layout, *, grounded: bool, what: str = "") -> Program:
     """The constraints of a joint and their derivatives with respect to the values of its nodes.
 
@@ -164,7 +186,7 @@ def joint_sides(layout: Layout, nodes: Parts, given: Expression) -> list[Parts]:
     return sides
 
 
-def evaluator(program: Program) -> Callable[[np.ndarray], np.ndarray]:
+def evaluator(program: Program) -> Evaluator:
     """A program without uniforms as a function of columns of inputs, (m, inputs) -> (m, outputs)."""
     inputs = ca.vertcat(*[symbol for symbol, _, _ in program.lanes])
     function = ca.Function(program.name, [inputs], [ca.vertcat(*[value for _, value in program.stores])])

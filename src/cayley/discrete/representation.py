@@ -46,6 +46,10 @@ class Quaternion:
     name = "quaternion"
     rows = 4
 
+    def __repr__(self) -> str:
+        """Its name: it is part of the signature of kernels, the same in every process."""
+        return self.name
+
     def matrix(self, p: Any) -> Any:
         """Λ(p) from products of components."""
         return homogeneous(p, 2.0)
@@ -82,6 +86,10 @@ class Matrix:
 
     name = "matrix"
     rows = 9
+
+    def __repr__(self) -> str:
+        """Its name: it is part of the signature of kernels, the same in every process."""
+        return self.name
 
     def matrix(self, p: Any) -> Any:
         """The matrix itself."""

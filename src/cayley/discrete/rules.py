@@ -41,26 +41,55 @@ class Points:
 
 
 def gauss(count: int) -> Points:
-    """Gauss points of polynomials of the same degree."""
+    """Gauss points on [0, 1], exact for polynomials of degree 2 count − 1.
+
+    Args:
+        count: number of points, which is the degree of the polynomials that they are used with.
+    """
     at, weights = np.polynomial.legendre.leggauss(count)
     name = "middle" if count == 1 else f"{count} Gauss points"
     return Points(name, tuple(0.5 + 0.5 * at), tuple(0.5 * weights), corners=False)
 
 
 def lobatto(degree: int) -> np.ndarray:
-    """The degree + 1 Gauss-Lobatto points of [0, 1]: nodes of a polynomial that has both ends among them."""
+    """The Gauss-Lobatto points of [0, 1]: nodes of a polynomial that has both ends among them.
+
+    (1 − x²) Pₙ′(x) = 0 with n the degree, brought from [−1, 1] to [0, 1]
+
+    Args:
+        degree: of the polynomial, 1 or more.
+
+    Returns: points [-], shape (degree + 1,).
+    """
     inner = np.polynomial.legendre.Legendre.basis(degree).deriv().roots() if degree > 1 else np.zeros(0)
     return 0.5 + 0.5 * np.concatenate([[-1.0], np.sort(np.real(inner)), [1.0]])
 
 
 def lobatto_weights(degree: int) -> np.ndarray:
-    """Weights of the Gauss-Lobatto points of [0, 1], wᵢ = 1/(n (n + 1) Pₙ(xᵢ)²) with n the degree."""
+    """Weights of the Gauss-Lobatto points of [0, 1].
+
+    wᵢ = 1/(n (n + 1) Pₙ(xᵢ)²) with n the degree and xᵢ the points on [−1, 1]
+
+    Args:
+        degree: of the polynomial, 1 or more.
+
+    Returns: weights [-] of sum 1, shape (degree + 1,).
+    """
     values = np.polynomial.legendre.Legendre.basis(degree)(2.0 * lobatto(degree) - 1.0)
     return 1.0 / (degree * (degree + 1) * values**2)
 
 
 def lagrange(nodes: np.ndarray, at: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Lagrange polynomials of the nodes and their derivatives, shape (len(at), len(nodes)) each."""
+    """Lagrange polynomials of the nodes and their derivatives.
+
+    ℓᵢ(x) = Π_(k≠i) (x − x_k)/(xᵢ − x_k)
+
+    Args:
+        nodes: x_k [-], shape (n,).
+        at: places to evaluate at [-], shape (m,).
+
+    Returns: ℓ and ℓ′ there, shape (m, n) each.
+    """
     basis = []
     for i, node in enumerate(nodes):
         others = np.delete(nodes, i)
@@ -143,7 +172,10 @@ RULES = {rule.name: rule for rule in (nodal, verlet, midpoint, nodal_midpoint, s
 
 
 def by_name(name: str) -> Rule:
-    """The rule of a name, such as "verlet" or "galerkin(time=2, space=3)".
+    """The rule of a name.
+
+    Args:
+        name: such as "verlet" or "galerkin(time=2, space=3)", as rules print themselves.
 
     Raises:
         ValueError: if there is no such rule.

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import Expression, dot, symbols, to_sx, where, wrap
-from cayley.discrete.joint import Parts, joint_sides, plain_program
+from cayley.discrete.joint import Parts, joint_sides, once, plain_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.program import Program
 from cayley.lie import exponential, quaternion
@@ -29,6 +29,7 @@ def spring_parameter_count(kind: str) -> int:
     return 14 + 2 * size * size + (kind != "bushing")
 
 
+@once
 def spring_program(kind: str, layout: Layout, *, grounded: bool) -> Program:
     """The energy of a spring and its derivatives with respect to the values of its nodes.
 
@@ -53,6 +54,7 @@ def spring_program(kind: str, layout: Layout, *, grounded: bool) -> Program:
     return plain_program(_name("spring", kind, grounded), inputs, outputs)
 
 
+@once
 def damper_program(kind: str, layout: Layout, *, grounded: bool) -> Program:
     """The dissipative force of a spring, conjugate to the values of its nodes.
 

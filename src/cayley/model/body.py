@@ -90,6 +90,9 @@ class Body(Part):
     def port(self, name: str) -> Port:
         """A port by its name.
 
+        Args:
+            name: one of the names in ports, or "centre", the mass center.
+
         Raises:
             ValueError: there is none of that name.
         """

@@ -293,7 +293,21 @@ def moment(
     start: float = 0.0,
     until: float = math.inf,
 ) -> PointLoad:
-    """A moment M on a node, active for start <= t < until; arguments and errors as for `force`, in N m."""
+    """A moment on a node, active for start <= t < until.
+
+    δW = M·η, M in the body frame of the node
+
+    Args:
+        port: the node, or another port, to whose node it is handed.
+        value: M [N m], shape (3,), or a function of the time [s] that returns it.
+        frame: "space" keeps its direction, "body" turns with the cross-section.
+        start: first time at which it acts [s].
+        until: time from which it acts no more [s].
+
+    Raises:
+        TypeError: a value has the wrong type.
+        ValueError: a value or time is out of range.
+    """
     return PointLoad(kind="moment", port=port, value=cast("Value", value), frame=frame, start=start, until=until)
 
 
@@ -305,7 +319,21 @@ def line_force(
     start: float = 0.0,
     until: float = math.inf,
 ) -> LineLoad:
-    """A force per unstressed length on a whole rod; arguments and errors as for `force`, in N/m."""
+    """A force per unstressed length on a whole rod.
+
+    δW = ∫ f·δx ds
+
+    Args:
+        rod: the rod.
+        value: f [N/m], shape (3,), or a function of the time [s] that returns it.
+        frame: "space" keeps its direction, "body" turns with the cross-section.
+        start: first time at which it acts [s].
+        until: time from which it acts no more [s].
+
+    Raises:
+        TypeError: a value has the wrong type.
+        ValueError: a value or time is out of range.
+    """
     return LineLoad(kind="force", rod=rod, value=cast("Value", value), frame=frame, start=start, until=until)
 
 
@@ -317,7 +345,21 @@ def line_moment(
     start: float = 0.0,
     until: float = math.inf,
 ) -> LineLoad:
-    """A moment per unstressed length on a whole rod; arguments and errors as for `force`, in N m/m."""
+    """A moment per unstressed length on a whole rod.
+
+    δW = ∫ m·η ds, m in the body frame of the sections
+
+    Args:
+        rod: the rod.
+        value: m [N m/m], shape (3,), or a function of the time [s] that returns it.
+        frame: "space" keeps its direction, "body" turns with the cross-section.
+        start: first time at which it acts [s].
+        until: time from which it acts no more [s].
+
+    Raises:
+        TypeError: a value has the wrong type.
+        ValueError: a value or time is out of range.
+    """
     return LineLoad(kind="moment", rod=rod, value=cast("Value", value), frame=frame, start=start, until=until)
 
 

@@ -116,6 +116,20 @@ class Model:
 
         return "\n".join(tree(self))
 
+    def _repr_html_(self) -> str:
+        """The tree as a table, in a notebook."""
+        from cayley.model.notebook import html_table
+        from cayley.model.tree import tree
+
+        title, *lines = tree(self)
+        rows, heading = [], ""
+        for line in lines:
+            if line.startswith("    "):
+                rows.append((heading, line.strip()))
+            else:
+                heading = line.strip()
+        return html_table(title, rows)
+
     @property
     def rods(self) -> tuple[Rod, ...]:
         """The rods, in the order given."""

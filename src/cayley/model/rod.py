@@ -290,6 +290,9 @@ class Rod(Part):
     def frame(self, s: float = 0.0) -> Array:
         """Λ = (d1, d2, d3), the section's axes as columns, before any motion, at arc length s [-], shape (3, 3).
 
+        Args:
+            s: arc length of the reference from the first node [m].
+
         Raises:
             TypeError: s is not a number.
             ValueError: s is outside the rod.
@@ -339,7 +342,10 @@ class Rod(Part):
         return Port(self, self.elements)
 
     def node(self, k: int) -> Port:
-        """Node k, from 0 to n, or from -1 back to -(n + 1).
+        """A node by its number.
+
+        Args:
+            k: from 0 to n, or from -1 back to -(n + 1).
 
         Raises:
             TypeError: k is not a whole number.
@@ -348,7 +354,10 @@ class Rod(Part):
         return Port(self, k)
 
     def at(self, s: float) -> Port:
-        """The node at arc length s [m]; nothing is moved to the next node silently.
+        """The node at an arc length; nothing is moved to the next node silently.
+
+        Args:
+            s: arc length of the reference from the first node [m].
 
         Raises:
             TypeError: s is not a number.

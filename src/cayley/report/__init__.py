@@ -1,4 +1,4 @@
-"""Reports of runs: figures, a table of conserved quantities, and one HTML file with all of it.
+"""Reports of runs: figures, films, a table of conserved quantities, and one HTML file that plays the run.
 
 What draws loads when it is first used: a run without a report imports no Matplotlib.
 """
@@ -8,10 +8,16 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-_HOMES = {"write_report": "html", "conservation": "conserved", "citation": "cite"}
-_MODULES = ("figures",)
+_HOMES = {
+    "write_report": "html",
+    "write_modes": "modes_page",
+    "page": "player",
+    "conservation": "conserved",
+    "citation": "cite",
+}
+_MODULES = ("figures", "vibration")
 
-__all__ = ["citation", "conservation", "figures", "write_report"]
+__all__ = ["citation", "conservation", "figures", "page", "vibration", "write_modes", "write_report"]
 
 
 def __getattr__(name: str) -> Any:
@@ -28,3 +34,5 @@ if TYPE_CHECKING:
     from cayley.report.cite import citation
     from cayley.report.conserved import conservation
     from cayley.report.html import write_report
+    from cayley.report.modes_page import write_modes
+    from cayley.report.player import page

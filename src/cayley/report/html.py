@@ -1,4 +1,4 @@
-"""The report: one HTML file with figures, figures of conservation, the scenario and versions; it loads nothing."""
+"""The report: one HTML file that plays the run, says what it conserved and what it is of; it loads nothing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import os
 import platform
 from collections.abc import Iterable, Sequence
 from html import escape
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,10 @@ from matplotlib.figure import Figure
 
 import cayley
 from cayley.report import figures
-from cayley.report.cite import citation
+from cayley.report.cite import citation, cite
 from cayley.report.conserved import conservation
+from cayley.report.player import asset, document, page
+from cayley.report.stage import scene
 from cayley.report.style import style
 
 _LIBRARIES = ("numpy", "casadi", "llvmlite", "xarray", "zarr", "matplotlib")
@@ -42,43 +44,70 @@ def write_report(
         scenario_text: the scenario file, to be shown.
         title: of the page.
         notes: a heading and paragraphs of plain text.
-        times: of the snapshots [s]; by default four of equal distance.
-        nodes: whose stress resultants are drawn; by default the first, the middle and the last of each rod.
+        times: of the printed snapshots [s]; by default four of equal distance.
+        nodes: whose stress resultants are printed; by default the first, the middle and the last of each rod.
 
     Returns: the path.
     """
-    parts = [
-        _head(title or "A run", run),
-        _section("Conservation", _conservation_table(run)),
-        _section("Energy and momenta", _energies(run)),
-        *([] if run.model is None else _rods(run, times, nodes)),
-        *([_section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))] if notes else []),
-        *([_section("Model", f"<pre>{escape(str(run.model))}</pre>")] if run.model is not None else []),
-        *([_section("Scenario", _folded("The file", f"<pre>{escape(scenario_text)}</pre>"))] if scenario_text else []),
-        _section("How to cite", "".join(f"<p>{escape(reference)}</p>" for reference in citation())),
-        f"<footer>{escape(_versions())}</footer>",
-    ]
-    page = (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title or 'A run')}</title>\n"
-        f"<style>\n{resources.files('cayley.report').joinpath('page.css').read_text(encoding='utf-8')}</style>\n"
-        "</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
-    )
+    below = "\n".join([*_measured(run, times, nodes), *standing(run, scenario_text=scenario_text, notes=notes)])
+    text = page([scene(run)], title=title or "A run", lead=lead(run), below=below)
+    return _written(path, text)
+
+
+def write_page(path: str | Path, title: str, parts: Iterable[str], *, style: str = "") -> Path:
+    """Write the parts of a page without a player.
+
+    Args:
+        path: of the file; an old one is replaced.
+        title: of the page.
+        parts: of its body.
+        style: what its style has besides that of all pages.
+
+    Returns: the path.
+    """
+    return _written(path, document(title, "\n".join(parts), style=asset("page.css") + style))
+
+
+def _written(path: str | Path, text: str) -> Path:
+    """Write a file, whole at its path when it is complete."""
     target = Path(path)
     unfinished = target.with_name(target.name + ".part")
-    unfinished.write_text(page, encoding="utf-8")
+    unfinished.write_text(text, encoding="utf-8")
     os.replace(unfinished, target)
     return target
 
 
-def _head(title: str, run: Any) -> str:
-    time = run.energy["time"].values
-    span = f"{time[-1] - time[0]:g} s in {run.steps} steps of {run.dt:.6g} s with the rule {run.rule}"
-    return f'<header><h1>{escape(title)}</h1><p class="lead">{escape(span)}, {len(time)} frames saved.</p></header>'
+def lead(run: Any) -> str:
+    """Length, step and rule of a run, in one line."""
+    if len(run.time) == 1:
+        return f"One frame, at t = {run.time[0]:g} s."
+    span = f"{run.time[-1] - run.time[0]:g} s in {run.steps} steps of {run.dt:.6g} s with the rule {run.rule}"
+    return f"{span}, {len(run.time)} frames saved."
 
 
-def _section(heading: str, body: str) -> str:
+def standing(run: Any, *, scenario_text: str | None = None, notes: Sequence[str] = ()) -> Iterable[str]:
+    """Sections that do not depend on the frames: notes, model, scenario, how to cite, versions."""
+    if notes:
+        yield section(notes[0], "".join(f"<p>{escape(text)}</p>" for text in notes[1:]))
+    if run.model is not None:
+        yield section("Model", folded("Parts, supports, joints and loads", f"<pre>{escape(str(run.model))}</pre>"))
+    if scenario_text:
+        yield section("Scenario", folded("The file", f"<pre>{escape(scenario_text)}</pre>"))
+    cited = "".join(f"<p>{escape(reference)}</p>" for reference in citation())
+    yield section("How to cite", cited + folded("BibTeX of the methods of this run", f"<pre>{escape(cite(run))}</pre>"))
+    yield f"<footer>{escape(versions())}</footer>"
+
+
+def _measured(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
+    """The table of conserved quantities, and figures for print."""
+    yield section("Conservation", _conservation_table(run))
+    if run.model is not None:
+        drawn = "\n".join(_figures(run, times, nodes))
+        yield section("Figures for print", folded("Snapshots and stress resultants", drawn))
+
+
+def section(heading: str, body: str) -> str:
+    """A section with its heading."""
     return f"<section>\n<h2>{escape(heading)}</h2>\n{body}\n</section>"
 
 
@@ -92,16 +121,7 @@ def _conservation_table(run: Any) -> str:
     return f'<div class="wide"><table>\n{head}{rows}</table></div>'
 
 
-def _energies(run: Any) -> str:
-    caption = (
-        "Kinetic, potential and total energy; total linear momentum Γ; angular momentum Π about the origin. The "
-        "components 1, 2, 3 are x, y, z in space. While loads other than gravity act the background is shaded. After "
-        "Leitz, Ober-Blöbaum and Leyendecker (2014), Figure 3."
-    )
-    return _figure(figures.energies(run), "Energies and momenta over the time.", caption)
-
-
-def _rods(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
+def _figures(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
     caption = (
         "The rods in space, colored by the magnitude of the moment ‖Σ‖. All panels have the same scale along all axes; "
         "the gray line is the shadow on the floor, a ring marks a node held in place. After Leitz, Ober-Blöbaum and "
@@ -109,15 +129,16 @@ def _rods(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) 
     )
     if run.model.bodies or run.model.connections:
         caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
-    yield _section("Snapshots", _figure(figures.snapshots(run, times=times), "The model at some times.", caption))
+    yield figure_html(figures.snapshots(run, times=times), "The model at some times.", caption)
     names = [run.model.name_of(rod) for rod in run.model.rods]
+    if len(run.time) == 1:  # an equilibrium
+        return
     for rod, name in list(zip(run.model.rods, names, strict=True))[:_MOST_RODS]:
         chosen = [k for k in nodes or () if -rod.elements - 1 <= k <= rod.elements] or None
-        heading = "Stress resultants" + (f" of {name}" if len(names) > 1 else "")
-        yield _section(heading, _resultants(run, name, chosen))
+        yield _resultants(run, name, chosen, f" of {name}" if len(names) > 1 else "")
 
 
-def _resultants(run: Any, name: str, nodes: Sequence[int] | None) -> str:
+def _resultants(run: Any, name: str, nodes: Sequence[int] | None, which: str) -> str:
     caption = (
         "σ = ∂L/∂x′ in space, the components 1, 2, 3 along x, y, z, and Σ = ∂L/∂Ω about the axes of the "
         "cross-section: the force and the moment that the part of the rod before the node exerts on the part after it. "
@@ -127,16 +148,20 @@ def _resultants(run: Any, name: str, nodes: Sequence[int] | None) -> str:
         f"The discrete momenta of one step of {run.dt:.6g} s, which the paper's Figure 5 seems to show: the force and "
         "the moment times the time step."
     )
-    first = _figure(figures.resultants(run, name, nodes), "Stress resultants over the time.", caption)
-    second = _figure(figures.resultants(run, name, nodes, impulse=True), "Discrete momenta over the time.", impulses)
-    return first + _folded("The same as momenta over one step", second)
+    first = figure_html(figures.resultants(run, name, nodes), f"Stress resultants{which} over the time.", caption)
+    second = figure_html(
+        figures.resultants(run, name, nodes, impulse=True), f"Discrete momenta{which} over the time.", impulses
+    )
+    return first + folded(f"Stress resultants{which} as momenta over one step", second)
 
 
-def _folded(summary: str, body: str) -> str:
+def folded(summary: str, body: str) -> str:
+    """What is shown when its summary is clicked."""
     return f"<details><summary>{escape(summary)}</summary>{body}</details>"
 
 
-def _figure(figure: Figure, title: str, caption: str) -> str:
+def figure_html(figure: Figure, title: str, caption: str) -> str:
+    """A figure as a picture in the page, with its caption."""
     picture = io.BytesIO()
     with style():
         figure.savefig(picture, format="svg", metadata={"Date": None, "Creator": None})
@@ -145,7 +170,8 @@ def _figure(figure: Figure, title: str, caption: str) -> str:
     return f"<figure>{image}<figcaption><b>{escape(title)}</b> {escape(caption)}</figcaption></figure>"
 
 
-def _versions() -> str:
+def versions() -> str:
+    """Versions of the library, of those it uses, and the machine."""
     libraries = []
     for name in _LIBRARIES:
         try:

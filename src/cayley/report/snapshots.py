@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 
 from cayley.report.bodies import Shape, body_shape, joint_points
 from cayley.report.conserved import Array
-from cayley.report.style import GRID, INK, MAP, MUTED, SHADOW, WIDTH, style
+from cayley.report.style import GRID, INK, MAP, MUTED, SHADOW, WIDTH, Drawing, style
 
 _PIECES = 8  # of an element, so that its color runs from node to node
 _AZIMUTH, _ELEVATION = np.radians(-60.0), np.radians(18.0)  # of the eye
@@ -32,7 +32,16 @@ _GAP = 1.12  # width of a panel per width of its picture
 _LEFT, _RIGHT, _BOTTOM, _TOP, _LOWEST, _HIGHEST = 0.42, 0.85, 0.4, 0.32, 1.2, 3.4
 
 
-def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -> Figure:
+def deformed(rest: Any) -> Figure:
+    """An equilibrium in space, as snapshots draws it, over the reference as gray lines.
+
+    Args:
+        rest: an Equilibrium.
+    """
+    return snapshots(rest.frame, reference=True)
+
+
+def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None, *, reference: bool = False) -> Figure:
     """Rods in space at some times, colored by the magnitude of the moment ‖Σ‖ [N m] in them; bodies as boxes.
 
     All panels have one scale, the same along all axes, and are seen along parallel lines from the same side. On the
@@ -42,47 +51,87 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None) -
         run: a Trajectory.
         rod: a rod, its name, or a list of them; all rods, bodies and joints by default.
         times: [s], of which the nearest saved ones are drawn; by default four of equal distance.
+        reference: draw the reference of the rods, too, and no times.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), Figure 4.
     """
-    all_rods = [run.model.name_of(part) for part in run.model.rods]
-    chosen = all_rods if rod is None else rod if isinstance(rod, (list, tuple)) else [rod]
-    data = [run[part][["position", "moment"]] for part in chosen]
     time = run.energy["time"].values
     frames = nearest_frames(time, times)
-    shapes = (
-        [body_shape(run, body, frames) for body in (*run.model.bodies, *run.model.own_parts)] if rod is None else []
-    )
-    joints = joint_points(run, frames) if rod is None else np.zeros((len(frames), 0, 3))
-    positions, moments = [], []
-    for part in data:
-        shown = part.isel(time=frames).transpose("time", "node", "axis")
-        positions.append(shown["position"].values)
-        moments.append(np.linalg.norm(shown["moment"].values, axis=-1))
-    points = [position.reshape(-1, 3) for position in positions] + [shape.points for shape in shapes]
-    room = _Room.around(np.concatenate(points))
-    held = _held(run.model, chosen)
-    top = max((float(moment.max()) for moment in moments), default=0.0)
-    scale = Normalize(0.0, top if top > 0.0 else 1.0)
+    shown = Contents.of(run, rod, frames)
+    before = [own.positions for own in run.model.rods] if reference else []
+    room = Room.around(np.concatenate([shown.points, *before]))
     with style():
         plan = _Plan.of(len(frames), *room.extent)
-        figure = Figure(figsize=(WIDTH, plan.height))
+        figure = Drawing(figsize=(WIDTH, plan.height))
         for k, frame in enumerate(frames):
             axes = figure.add_axes(plan.panel(k))
             room.draw(axes, labeled=k == 0, margin=0.5 * (plan.width / plan.inches - room.extent[0]))
-            axes.set_title(f"$t$ = {time[frame]:.3g} s", loc="center")
-            for position, moment, nodes in zip(positions, moments, held, strict=True):
-                _draw(axes, position[k], moment[k], scale, room.low[2])
-                axes.plot(*_seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)
-            for shape in shapes:
-                _draw_body(axes, shape, k, room.low[2])
-            axes.plot(*_seen(joints[k]).T, "D", markersize=4.5, mfc="white", mec=INK, mew=1.1, zorder=5)
-        if not chosen:
-            return figure
-        bar = figure.add_axes(plan.bar())
-        figure.colorbar(ScalarMappable(scale, MAP), cax=bar, label="moment ‖Σ‖ [N m]")
-        bar.grid(False)
+            axes.set_title("" if reference else f"$t$ = {time[frame]:.3g} s", loc="center")
+            for line in before:
+                axes.plot(*_seen(line).T, color=MUTED, linewidth=1.2, linestyle=(0, (5, 3)), label="reference")
+            shown.draw(axes, k, room.low[2])
+        if shown.positions:
+            color_bar(figure, plan.bar(), shown.scale)
     return figure
+
+
+def color_bar(figure: Figure, place: tuple[float, float, float, float], scale: Normalize) -> None:
+    """The colors of moments, at a place in a figure in parts of it."""
+    bar = figure.add_axes(place)
+    figure.colorbar(ScalarMappable(scale, MAP), cax=bar, label="moment ‖Σ‖ [N m]")
+    bar.grid(False)
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What is drawn of a run, at some frames.
+
+    Attributes:
+        positions: of the nodes of each rod [m], shape (frames, n, 3) each.
+        moments: their magnitudes [N m], shape (frames, n) each.
+        held: the nodes of each rod whose position is held.
+        shapes: of the bodies.
+        joints: their places [m], shape (frames, joints, 3).
+        scale: of the colors.
+    """
+
+    positions: list[Array]
+    moments: list[Array]
+    held: list[list[int]]
+    shapes: list[Shape]
+    joints: Array
+    scale: Normalize
+
+    @classmethod
+    def of(cls, run: Any, rod: Any, frames: list[int]) -> Contents:
+        """A rod, its name, or a list of them; None: all rods, bodies and joints."""
+        all_rods = [run.model.name_of(part) for part in run.model.rods]
+        chosen = all_rods if rod is None else list(rod) if isinstance(rod, (list, tuple)) else [rod]
+        positions, moments = [], []
+        for part in chosen:
+            data = run[part][["position", "moment"]].isel(time=frames).transpose("time", "node", "axis")
+            positions.append(data["position"].values)
+            moments.append(np.linalg.norm(data["moment"].values, axis=-1))
+        others = (*run.model.bodies, *run.model.own_parts) if rod is None else ()
+        shapes = [body_shape(run, part, frames) for part in others]
+        joints = joint_points(run, frames) if rod is None else np.zeros((len(frames), 0, 3))
+        top = max((float(moment.max()) for moment in moments), default=0.0)
+        scale = Normalize(0.0, top if top > 0.0 else 1.0)
+        return cls(positions, moments, _held(run.model, chosen), shapes, joints, scale)
+
+    @property
+    def points(self) -> Array:
+        """All points of rods and bodies [m], shape (n, 3)."""
+        return np.concatenate([one.reshape(-1, 3) for one in self.positions] + [shape.points for shape in self.shapes])
+
+    def draw(self, axes: Axes, k: int, floor: float) -> None:
+        """Draw the k-th of the frames."""
+        for position, moment, nodes in zip(self.positions, self.moments, self.held, strict=True):
+            _draw(axes, position[k], moment[k], self.scale, floor)
+            axes.plot(*_seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)
+        for shape in self.shapes:
+            _draw_body(axes, shape, k, floor)
+        axes.plot(*_seen(self.joints[k]).T, "D", markersize=4.5, mfc="white", mec=INK, mew=1.1, zorder=5)
 
 
 def nearest_frames(time: Array, times: Sequence[float] | None) -> list[int]:
@@ -138,7 +187,7 @@ class _Plan:
 
 
 @dataclass(frozen=True, slots=True)
-class _Room:
+class Room:
     """A box in space whose floor and front edges are drawn.
 
     Attributes:
@@ -154,7 +203,7 @@ class _Room:
     right: Array
 
     @classmethod
-    def around(cls, points: Array) -> _Room:
+    def around(cls, points: Array) -> Room:
         """A box around points, no side of it less than a quarter of the longest."""
         low, high = points.min(axis=0), points.max(axis=0)
         longest = max(float((high - low).max()), 1e-9)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.figure import Figure
 
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 AXES = (BLUE, VERMILION, GREEN)  # x, y, z
@@ -55,3 +57,12 @@ def style() -> Iterator[None]:
     """Draw with this style, and leave the user's settings as they are."""
     with mpl.rc_context(_PARAMETERS):
         yield
+
+
+class Drawing(Figure):
+    """A figure that notebooks show without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=110)
+        return picture.getvalue()

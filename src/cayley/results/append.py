@@ -93,6 +93,8 @@ def append_frames(root: Any, outline: Outline, frames: Frames, model: Model | No
             put(group, arrays, ("time", "node", component), along=outline.interval, start=start)
     if frames.work is not None:
         put(root, {"work": ("J", frames.work)}, ("time", "cell", "account"), start=start)
+    if frames.rates is not None and (start == 0 or "rates" in root):
+        put(root, {"rates": (None, frames.rates)}, ("time", "node", "component"), start=start)
     for k, load in enumerate(model.loads if model is not None else ()):
         if isinstance(load, PointLoad | LineLoad) and callable(load.value):
             group = root.require_group(f"loads/{k}")

@@ -20,6 +20,9 @@ class Frames:
         h: time step [s].
         memory: what implicit rules remember of the step before the last frame (see State).
         work: work and loss since the start (see State), shape (m, k, 2), or None.
+        rates: velocities ω and ẋ that the last three steps of an implicit rule say, if forces depend on velocities,
+            shape (m, nodes, dofs): with u, w, v the mean velocities of these steps v + w/2 − u/2, which is of order 2
+            and does not know what decays within a step; not numbers before the third step.
     """
 
     times: np.ndarray
@@ -30,6 +33,7 @@ class Frames:
     h: float
     memory: np.ndarray | None = None
     work: np.ndarray | None = None
+    rates: np.ndarray | None = None
 
     def state(self, k: int = -1) -> State:
         """The state of a frame, to go on from."""
@@ -43,6 +47,19 @@ class Frames:
             work=None if self.work is None else self.work[k].copy(),
         )
 
+    def part(self, which: slice) -> "Frames":
+        """Some of the frames, without what is remembered."""
+        return replace(
+            self,
+            times=self.times[which],
+            steps=self.steps[which],
+            values=self.values[which],
+            momenta=self.momenta[which],
+            memory=None,
+            work=None if self.work is None else self.work[which],
+            rates=None if self.rates is None else self.rates[which],
+        )
+
 
 def by_group(system: System, frames: Frames) -> list[tuple[System, Frames]]:
     """The groups of a system, each with its part of saved states."""
@@ -50,7 +67,13 @@ def by_group(system: System, frames: Frames) -> list[tuple[System, Frames]]:
         return [(system, frames)]
     found = []
     for (group, nodes), cells in zip(system.spans, system.cell_spans, strict=True):
-        work = None if frames.work is None else frames.work[:, cells]
-        own = replace(frames, values=frames.values[:, nodes], momenta=frames.momenta[:, nodes], memory=None, work=work)
+        own = replace(
+            frames,
+            values=frames.values[:, nodes],
+            momenta=frames.momenta[:, nodes],
+            memory=None,
+            work=None if frames.work is None else frames.work[:, cells],
+            rates=None if frames.rates is None else frames.rates[:, nodes],
+        )
         found.append((group, own))
     return found

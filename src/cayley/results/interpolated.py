@@ -5,7 +5,7 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
-from cayley.density.expression import symbols, to_sx, zeros
+from cayley.density.expression import from_sx, symbols, to_sx, zeros
 from cayley.density.force import KINDS, STRAIN
 from cayley.discrete.embedded import embedded_point
 from cayley.discrete.forcing import motion_of
@@ -17,17 +17,20 @@ from cayley.results.frames import Frames
 from cayley.system.system import System
 
 
-def interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def interpolated(
+    system: System, frames: Frames, velocity: np.ndarray, multipliers: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Evaluate the strain terms on the polynomials of every element.
 
-    W and ∂W/∂(x′, Ω), less the stresses of forces beside the Lagrangian, are taken at the Gauss points, where they are
-    most accurate; the polynomial through these gives their values at the nodes, the mean of both sides where elements
-    meet.
+    W and ∂(W − λ·g)/∂(x′, Ω), less the stresses of forces beside the Lagrangian, are taken at the Gauss points, where
+    they are most accurate; the polynomial through these gives their values at the nodes, the mean of both sides where
+    elements meet.
 
     Args:
         system: a system whose rule has a degree above 1 along the interval.
         frames: its saved states.
         velocity: of the nodes, shape (m, nodes, dofs).
+        multipliers: λ of constraints at the Gauss points of every element, shape (m, elements, g, constraints).
 
     Returns: strain energy (m,) [J]; resultants in the paper's sign (m, nodes, dofs), as of results.resultants;
     derivatives x′ and Ω between nodes, each at the left one of two (m, nodes, dofs).
@@ -43,7 +46,9 @@ def interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[
     found = np.zeros((len(frames.times), system.size, system.layout.dofs))
     slopes, shares = np.zeros_like(found), np.zeros(system.size)
     evaluate = _term(system)
-    start = 0
+    count = system.equations.density.constraints.numel()
+    nothing = np.zeros((len(frames.times), degree, count))
+    start, element = 0, 0
     for count in system.chains:
         for first in range(start, start + count - 1, degree):
             own = slice(first, first + degree + 1)
@@ -54,7 +59,9 @@ def interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[
                 np.einsum("ga,tar->tgr", at_gauss, both),
                 np.einsum("ga,tar->tgr", slope_at_gauss, both) / length,
             )
-            density, stress, _ = evaluate(*inputs, first, length * np.array(strain.at), frames.times)
+            own_multipliers = nothing if multipliers is None else multipliers[:, element]
+            density, stress, _ = evaluate(*inputs, first, length * np.array(strain.at), frames.times, own_multipliers)
+            element += 1
             energy += length * density @ np.array(strain.weights)
             found[:, own] -= np.einsum("ng,tgd->tnd", to_nodes, stress)
             shares[own] += 1.0
@@ -62,7 +69,7 @@ def interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[
                 np.einsum("ga,tar->tgr", at_middle, both),
                 np.einsum("ga,tar->tgr", slope_at_middle, both) / length,
             )
-            slopes[:, first : first + degree] = evaluate(*inputs, first, length * middles, frames.times)[2]
+            slopes[:, first : first + degree] = evaluate(*inputs, first, length * middles, frames.times, nothing)[2]
         start += count
     return energy, found / np.maximum(shares, 1.0)[None, :, None], slopes  # nodes without an element have no share
 
@@ -92,7 +99,10 @@ def _rates(layout: Layout, values: np.ndarray, velocity: np.ndarray) -> np.ndarr
 
 
 def _term(system: System) -> Callable[..., list[np.ndarray]]:
-    """W, the stresses of x′ and Ω, and these themselves, at points of values and rates (m, g, 2 rows) behind a node."""
+    """W, the stresses of x′ and Ω, and these themselves, at points of values and rates (m, g, 2 rows) behind a node.
+
+    The last argument are the multipliers at the points, shape (m, g, constraints).
+    """
     density = system.equations.density
     layout = Layout(system.layout.fields, REPRESENTATIONS["quaternion"])
     along = str(density.lagrangian.interval)
@@ -107,7 +117,11 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
         sizes = {name: field.size for name, field in layout.fields.items()}
         stress -= ca.vertcat(*[to_sx(found.get(f"{n}_{along}", zeros(size))) for n, size in sizes.items()])
     slopes = ca.vertcat(*[to_sx(point[f"{name}_{along}"]) for name in layout.fields])
-    inputs = ca.vertcat(*[to_sx(e) for e in (z, z_t, slope, slope_t, here, t)], density.parameters)
+    multiplier, free = ca.SX.sym("lambda", density.constraints.numel()), ca.SX.sym("slopes", slopes.numel())
+    at = {f"{name}_{along}": np.atleast_1d(from_sx(free[layout.dofs_of(name)])) for name in layout.fields}
+    pull = ca.gradient(ca.dot(multiplier, density.constraint(point | at)), free)
+    stress -= ca.substitute(pull, free, slopes)
+    inputs = ca.vertcat(*[to_sx(e) for e in (z, z_t, slope, slope_t, here, t)], density.parameters, multiplier)
     outputs = [density.value("strain", point), ca.densify(stress), ca.densify(slopes)]
     function = ca.Function("strain", [inputs], outputs)
     places = range(len(system.equations.rule.strain.at))
@@ -115,7 +129,7 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
     constants = constants.reshape(len(places), len(density.names), system.size)  # of a density without any, too
 
     def evaluate(
-        values: np.ndarray, slopes: np.ndarray, node: int, at: np.ndarray, times: np.ndarray
+        values: np.ndarray, slopes: np.ndarray, node: int, at: np.ndarray, times: np.ndarray, multipliers: np.ndarray
     ) -> list[np.ndarray]:
         frames, points, _ = values.shape
         rest = np.zeros((frames, points, 2 + len(density.names)))
@@ -123,7 +137,7 @@ def _term(system: System) -> Callable[..., list[np.ndarray]]:
         rest[:, :, 2:] = constants[:, :, node]
         rest[:, :, 0] += at
         rest[:, :, 1] = times[:, None]
-        columns = np.concatenate([values, slopes, rest], axis=2).reshape(frames * points, -1)
+        columns = np.concatenate([values, slopes, rest, multipliers], axis=2).reshape(frames * points, -1)
         one, stress, slope = (np.asarray(m).T.reshape(frames, points, -1) for m in function(columns.T))
         return [one[:, :, 0], stress, slope]
 

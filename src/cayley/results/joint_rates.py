@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import symbols, to_sx
-from cayley.discrete.joint import DRIVE, joint_constraints, parameter_count
+from cayley.discrete.joint import DRIVE, joint_constraints, once, parameter_count
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import tangent
 from cayley.system.couplings import Coupling
@@ -27,7 +27,7 @@ class JointRates:
         self.groups: dict[tuple[str, bool], list[int]] = {}
         for k, joint in enumerate(system.joints):
             self.groups.setdefault((joint.kind, joint.grounded), []).append(k)
-        self.functions = {key: _second_rate(*key, system.layout) for key in self.groups}
+        self.functions = {key: _second_rate(key[0], system.layout, grounded=key[1]) for key in self.groups}
 
     def __call__(self, values: np.ndarray, velocity: np.ndarray, time: float) -> list[np.ndarray]:
         """For values and velocities of all nodes at a time, shape (joints, constraints) for every kind."""
@@ -47,13 +47,14 @@ class JointRates:
 
 def _motions(joint: Coupling, time: float) -> list[np.ndarray]:
     """Prescribed motion, its rate and its acceleration, shape (7,) each."""
-    if joint.drive is None:
-        return [joint.motion(np.zeros(1))[0], np.zeros(DRIVE), np.zeros(DRIVE)]
+    if joint.drive is None or joint.steady:
+        return [joint.motion(np.array([time]))[0], np.zeros(DRIVE), np.zeros(DRIVE)]
     before, now, after = joint.drive(np.array([time - _STEP, time, time + _STEP]))
     return [now, (after - before) / (2.0 * _STEP), (after - 2.0 * now + before) / _STEP**2]
 
 
-def _second_rate(kind: str, grounded: bool, layout: Layout) -> ca.Function:
+@once
+def _second_rate(kind: str, layout: Layout, *, grounded: bool) -> ca.Function:
     a, b = symbols("a", layout.rows), symbols("b", layout.rows)
     velocities = [symbols("u", layout.dofs), symbols("v", layout.dofs)]
     given = symbols("c", parameter_count(kind))

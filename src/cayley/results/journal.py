@@ -15,7 +15,7 @@ import numpy as np
 
 _HEADER = struct.Struct("<4sqqI")
 _NAME = ".journal-"
-FRAME, MEMORY = b"fram", b"memo"
+FRAME, MEMORY = b"\0\0\0\1", b"\0\0\0\2"
 
 
 @dataclass(frozen=True, slots=True)

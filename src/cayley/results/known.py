@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cayley.discrete.rules import by_name
 from cayley.results import journal
 from cayley.results.frames import Frames
 from cayley.results.outline import Outline
@@ -43,7 +44,7 @@ class Known:
         layout, nodes = outline.layout, len(outline.nodes)
         wanted = committed(root)
         states = [f"fields/{name}/{key}" for name in layout.fields for key in ("value", "momentum")]
-        names = ["time", "step", *states, *(["work"] if "work" in root else [])]
+        names = ["time", "step", *states, *(name for name in ("work", "rates") if name in root)]
         read = {name: _prefix(source, root, name, wanted) for name in names if wanted}
         count = min((len(values) for values in read.values()), default=0)
         short = [name for name, values in read.items() if len(values) == count]
@@ -58,13 +59,16 @@ class Known:
             origin=float(about["origin"]),
             h=float(about["dt"]),
             work=read["work"][:count] if "work" in read else None,
+            rates=read["rates"][:count] if "rates" in read else None,
         )
         for name in layout.fields if wanted else ():
             frames.values[..., layout.rows_of(name)] = read[f"fields/{name}/value"][:count]
             frames.momenta[..., layout.dofs_of(name)] = read[f"fields/{name}/momentum"][:count]
         memories = _memories(root, frames.steps)
         if count == wanted:
-            frames, latest = _with_journal(frames, source, (nodes, layout.rows), (nodes, layout.dofs))
+            # of implicit rules one pair of work and loss, and rates behind it
+            pairs = 1 if by_name(outline.rule).implicit else None
+            frames, latest = _with_journal(frames, source, (nodes, layout.rows), (nodes, layout.dofs), pairs)
             memories |= latest
         if not len(frames.times):
             raise ValueError("it has no frame")
@@ -120,7 +124,7 @@ def _memories(root: Any, steps: np.ndarray) -> dict[int, np.ndarray]:
 
 
 def _with_journal(
-    frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int]
+    frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int], pairs: int | None
 ) -> tuple[Frames, dict[int, np.ndarray]]:
     """Frames with those of the journal behind them, and what is remembered at some of these."""
     first, memories, more = len(frames.times), {}, []
@@ -136,9 +140,13 @@ def _with_journal(
     split = values[0] * values[1], values[0] * values[1] + momenta[0] * momenta[1]
     pieces = [np.split(entry.numbers, split) for entry in more]
     steps = np.concatenate([frames.steps, np.array([entry.step for entry in more], dtype=np.int64)])
-    work = [piece[2].reshape(-1, 2) for piece in pieces]
+    end = pieces[0][2].size if pairs is None else 2 * pairs
+    work = [piece[2][:end].reshape(-1, 2) for piece in pieces]
+    rates = [piece[2][end:] for piece in pieces]
     has_work = frames.work is not None or (not first and work[0].size > 0)
     before = np.zeros((0, *work[0].shape)) if frames.work is None else frames.work
+    has_rates = frames.rates is not None or (not first and rates[0].size > 0)
+    known = np.zeros((0, *momenta)) if frames.rates is None else frames.rates
     return Frames(
         times=frames.origin + steps * frames.h,
         steps=steps,
@@ -147,6 +155,7 @@ def _with_journal(
         origin=frames.origin,
         h=frames.h,
         work=np.concatenate([before, work]) if has_work else None,
+        rates=np.concatenate([known, np.reshape(rates, (-1, *momenta))]) if has_rates else None,
     ), memories
 
 

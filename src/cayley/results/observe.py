@@ -1,6 +1,7 @@
 """What saved frames say: velocities, energies, momenta and stress resultants, by the compiled kernel of the density."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from cayley.results.interpolated import interpolated
 from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
+from cayley.system.stability import decay_limit
 from cayley.system.system import State, System, by_node, joined, pack
+from cayley.system.turned import as_quaternions, embedded
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,18 +59,21 @@ def observe(system: System, frames: Frames) -> Observations:
     of_groups = [_by_kernel(*pair) for pair in by_group(system, frames)]
     part = {name: joined([own[name] for own in of_groups], axis=1) for name in of_groups[0]}
     kinetic, strain, load = np.moveaxis(part["energies"].sum(axis=1), -1, 0)
-    nothing = np.zeros_like(part["velocity"])
-    spatial, slopes, exerted = nothing, part.get("slopes", nothing), {}
+    acting, nothing = part["velocity"], np.zeros_like(part["velocity"])
+    spatial, slopes = nothing, part.get("slopes", nothing)
+    exerted: dict[str, np.ndarray] = {}
+    multipliers: Sequence[np.ndarray | None] = [None] * len(system.groups)
     if "length" in system.named:
-        exerted = _complete(system, frames, part)
+        acting = acting_velocity(system, frames, acting)
+        exerted, multipliers = _complete(system, frames, part, acting)
         if system.equations.rule.degree == 1:
             spatial = resultants(system, frames, part)
     if system.equations.rule.degree > 1:
-        strain, spatial, slopes = _interpolated(system, frames, part["velocity"])
+        strain, spatial, slopes = _interpolated(system, frames, acting, multipliers)
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
-        strain=strain + spring_energy(system, frames),
+        strain=strain + spring_energy(*_tied(system, frames)),
         load=load,
         resultants=spatial,
         slopes=slopes,
@@ -97,14 +103,47 @@ def _by_kernel(system: System, frames: Frames) -> dict[str, np.ndarray]:
     return part
 
 
-def _interpolated(system: System, frames: Frames, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _interpolated(
+    system: System, frames: Frames, velocity: np.ndarray, multipliers: Sequence[np.ndarray | None]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Strain energy, resultants and slopes of elements of a degree above 1."""
     found = [
-        interpolated(group, own, velocity[:, nodes])
-        for (group, own), (_, nodes) in zip(by_group(system, frames), system.spans, strict=True)
+        interpolated(group, own, velocity[:, nodes], pulls)
+        for (group, own), (_, nodes), pulls in zip(by_group(system, frames), system.spans, multipliers, strict=True)
     ]
     energy, spatial, slopes = zip(*found, strict=True)
     return joined([one[None] for one in energy]).sum(axis=0), joined(spatial, axis=1), joined(slopes, axis=1)
+
+
+def acting_velocity(system: System, frames: Frames, velocity: np.ndarray) -> np.ndarray:
+    """Velocities that forces at the frames are told, where they depend on them.
+
+    A step h over 2/δ does not resolve what decays at the rate δ. The momenta of implicit rules then go on with it, its
+    sign the same or another in every step: small in itself, but not when δ multiplies it. Viscous forces of that
+    velocity would be many times the true ones, and with them those of joints and supports, which keep the balance. So
+    where h > 2/δ_max the velocities are those that the last three steps say together (see Frames), from the third step
+    of a run on. What oscillates fast without decay is no error: the motion has it, if at another frequency.
+
+    Args:
+        system: the system.
+        frames: its saved states.
+        velocity: of the momenta, shape (m, nodes, dofs).
+
+    Returns: shape (m, nodes, dofs).
+    """
+    if frames.rates is None or _resolved(system, frames):
+        return velocity
+    return np.where(np.isfinite(frames.rates), frames.rates, velocity)
+
+
+def _resolved(system: System, frames: Frames) -> bool:
+    """Whether steps resolve all decay; those of elements of higher degree, which are about rods as stiff, do not."""
+    if system.equations.rule.degree > 1:
+        return False
+    key = f"resolved with {frames.h!r}"  # frames may come some at a time
+    if key not in system.plans:
+        system.plans[key] = not frames.h > decay_limit(system, system.reference, enough=frames.h)
+    return bool(system.plans[key])
 
 
 def energy_of(system: System, state: State) -> float:
@@ -122,15 +161,18 @@ def energy_of(system: System, state: State) -> float:
     return float(seen.kinetic[0] + seen.strain[0] + seen.load[0])
 
 
-def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _complete(
+    system: System, frames: Frames, part: dict[str, np.ndarray], acting: np.ndarray
+) -> tuple[dict[str, np.ndarray], Sequence[np.ndarray | None]]:
     """Complete the forces that the kernel observes: "left", "right", "load", and "point" on nodes alone.
 
-    Returns: reactions, held and supports of the Observations.
+    Returns: reactions, held and supports of the Observations, and multipliers of the constraints of each density.
     """
     velocity, degree = part["velocity"], system.equations.rule.degree
-    beside = _beside(system, frames, velocity)
+    beside = _beside(system, frames, acting)
     part["load"] += beside.outer
-    part["point"] = spring_forces(system, frames, velocity)
+    tied, seen = _tied(system, frames)
+    part["point"] = spring_forces(tied, seen, acting)
     total = part["load"] + part["point"] + sum(timed_loads(system, frames))
     if degree == 1:
         part["left"] += beside.inner[:, :, 0]
@@ -138,21 +180,23 @@ def _complete(system: System, frames: Frames, part: dict[str, np.ndarray]) -> di
         _add_ends(system, total, np.stack([part["left"], part["right"]], axis=2))
     else:
         _add_ends(system, total, beside.inner)
-    found = {}
+    found: dict[str, np.ndarray] = {}
+    multipliers: Sequence[np.ndarray | None] = [None] * len(system.groups)
     if system.joints or system.with_constraints:
-        pulled = constraint_forces(system, frames, velocity, total)
+        pulled = constraint_forces(tied, seen, velocity, total)
         part["point"] += pulled.point
         total += pulled.point
+        multipliers = pulled.multipliers
+        _add_ends(system, total, pulled.inner)
         if degree == 1:
-            part["left"] += pulled.left
-            part["right"] += pulled.right
-            _add_ends(system, total, np.stack([pulled.left, pulled.right], axis=2))
+            part["left"] += pulled.inner[:, :, 0]
+            part["right"] += pulled.inner[:, :, 1]
         if system.joints:
             found["reactions"] = pulled.joints
     held = held_nodes(system)
     if len(held):
         found |= {"held": held, "supports": support_forces(system, frames, velocity, total)}
-    return found
+    return found, multipliers
 
 
 def _beside(system: System, frames: Frames, velocity: np.ndarray) -> ForcesBeside:
@@ -161,6 +205,13 @@ def _beside(system: System, frames: Frames, velocity: np.ndarray) -> ForcesBesid
         for (group, own), (_, nodes) in zip(by_group(system, frames), system.spans, strict=True)
     ]
     return ForcesBeside(joined([one.inner for one in found], axis=1), joined([one.outer for one in found], axis=1))
+
+
+def _tied(system: System, frames: Frames) -> tuple[System, Frames]:
+    """What joints, springs and constraints are asked with: rotations as quaternions."""
+    if not (system.joints or system.springs):  # constraints of densities are there for quaternions only
+        return system, frames
+    return embedded(system), replace(frames, values=as_quaternions(system.layout, frames.values))
 
 
 def _add_ends(system: System, total: np.ndarray, ends: np.ndarray) -> None:

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import symbols, to_sx
-from cayley.discrete.joint import evaluator
+from cayley.discrete.joint import Evaluator, evaluator, once
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import tangent
 from cayley.discrete.spring import damper_program, spring_program
@@ -18,7 +18,7 @@ def spring_energy(system: System, frames: Frames) -> np.ndarray:
     """Energy of all springs together [J], shape (m,)."""
     total = np.zeros(len(frames.times))
     for spring in system.springs:
-        function = evaluator(spring_program(spring.kind, system.layout, grounded=spring.grounded))
+        function = _functions(spring.kind, system.layout, grounded=spring.grounded)[0]
         total += function(np.hstack([*_sides(system, frames.values, spring), _numbers(spring, len(total))]))[:, 0]
     return total
 
@@ -38,11 +38,10 @@ def spring_forces(system: System, frames: Frames, velocity: np.ndarray) -> np.nd
     still = np.zeros((len(velocity), layout.rows))
     for spring in system.springs:
         sides, numbers = _sides(system, frames.values, spring), _numbers(spring, len(velocity))
-        energy = evaluator(spring_program(spring.kind, layout, grounded=spring.grounded))
+        energy, damper = _functions(spring.kind, layout, grounded=spring.grounded)
         pull = -energy(np.hstack([*sides, numbers]))[:, 1 : 1 + 2 * layout.rows]
         ends = [spring.first] if spring.grounded else [spring.first, spring.second]
         rates = [np.einsum("trd,td->tr", turn[:, node], velocity[:, node]) for node in ends]
-        damper = evaluator(damper_program(spring.kind, layout, grounded=spring.grounded))
         moving = [*rates, still][:2]
         pull += damper(np.hstack([*sides, *moving, numbers]))[:, : 2 * layout.rows]
         for k, node in enumerate(ends):
@@ -57,6 +56,13 @@ def node_tangents(layout: Layout, values: np.ndarray) -> np.ndarray:
     function = ca.Function("tangent", [to_sx(node)], [ca.vec(ca.densify(tangent(layout, node)).T)])
     flat = np.array(function(values.reshape(-1, layout.rows).T)).T
     return flat.reshape(*values.shape[:2], layout.rows, layout.dofs)
+
+
+@once
+def _functions(kind: str, layout: Layout, *, grounded: bool) -> tuple[Evaluator, Evaluator]:
+    """Energy and damping of springs of a kind."""
+    energy, damper = (program(kind, layout, grounded=grounded) for program in (spring_program, damper_program))
+    return evaluator(energy), evaluator(damper)
 
 
 def _sides(system: System, values: np.ndarray, spring: Elastic) -> list[np.ndarray]:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cayley import extension
 from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
 from cayley.model import Body, LagrangianPart, Model, PointMass
+from cayley.model.notebook import html_table
 from cayley.results.forces_record import Unstored
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
@@ -19,6 +21,8 @@ from cayley.system.system import State, System
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from cayley.report.plots import Plots
 
 AXES = ["x", "y", "z"]
 
@@ -167,7 +171,9 @@ class Trajectory:
     def joint(self, joint: Any) -> "xr.Dataset":
         """Force [N] and moment [N m] of a joint on its second side, in space, the moment about its place there.
 
-        Its first side has the opposite, of a joint to the ground the part.
+        Its first side has the opposite, of a joint to the ground the part. The value at a frame is that of its state,
+        by Newton's second law; where steps do not resolve how fast motions are damped, viscous forces in it are of
+        velocities that the last three steps say together (results.observe.acting_velocity).
 
         Args:
             joint: a joint, guide or drive of the model, or its name.
@@ -182,6 +188,8 @@ class Trajectory:
     def reaction(self, support: Any, name: str | None = None) -> "xr.Dataset":
         """Force [N] and moment [N m] by which the ground holds a part, in space, the moment about the held place.
 
+        Values are those of the state of a frame, as in joint.
+
         Args:
             support: a support, or a joint to the ground or its name; or a place, for all that holds its node to the
                 ground together: a port, or a part or its name, with a name.
@@ -193,6 +201,42 @@ class Trajectory:
         from cayley.results.reactions import reaction_dataset
 
         return reaction_dataset(self, support, name)
+
+    @property
+    def plot(self) -> "Plots":
+        """Figures of the run for papers, by Matplotlib: ``run.plot.energy()``, ``run.plot.snapshots()``, ..."""
+        made: Plots = extension("plot")(self)
+        return made
+
+    def animate(self, path: str | Path, **options: Any) -> Path:
+        """Write a film of the run: a .gif, or an .mp4 where the program ffmpeg is installed.
+
+        Args:
+            path: of the film; an old one is replaced.
+            **options: ``speed`` (seconds of the run in a second of the film), ``fps``, ``part`` (a rod, its name, or a
+                list of them).
+
+        Returns: the path.
+
+        Raises:
+            ValueError: another ending, or a value that is not positive.
+            RuntimeError: for .mp4 without ffmpeg.
+        """
+        written: Path = extension("animate")(self, path, **options)
+        return written
+
+    def _repr_html_(self) -> str:
+        """What ran, as a table in a notebook."""
+        rows = [
+            ("rule", self.rule),
+            ("steps", f"{self.steps} of {self.dt:.3g} s"),
+            ("time", f"{self.time[0]:g} to {self.time[-1]:g} s, {len(self.time)} frames"),
+            ("integrated in", f"{self.wall_time:.3g} s"),
+        ]
+        for name, nodes in self._parts.items():
+            count = nodes.stop - nodes.start
+            rows.append((name, f"{count} nodes" if count > 1 else "body"))
+        return html_table("Trajectory", rows)
 
     def __repr__(self) -> str:
         """Say what ran."""

@@ -55,7 +55,7 @@ class Writer:
         rows = [outline.layout.rows_of(name) for name in outline.layout.fields]
         self.chunk = chunk_frames(np.zeros((1, len(outline.nodes), max(own.stop - own.start for own in rows))))
         self._taken = self.done
-        self._pending: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]] = []
+        self._pending: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]] = []
         self._memory: np.ndarray | None = None
         self._failed: Exception | None = None
         self._queue: queue.Queue[Any] = queue.Queue(WAITING)
@@ -74,7 +74,9 @@ class Writer:
         steps: np.ndarray,
         values: np.ndarray,
         momenta: np.ndarray,
+        *,
         work: np.ndarray | None,
+        rates: np.ndarray | None,
         memory: np.ndarray | None,
     ) -> None:
         """Take frames, at most ``room``, and what is remembered at the last of them.
@@ -85,13 +87,14 @@ class Writer:
         self._raise()
         try:
             for k, step in enumerate(steps):
-                self._journal.add(FRAME, int(step), [values[k], momenta[k], *([] if work is None else [work[k]])])
+                more = [own[k] for own in (work, rates) if own is not None]
+                self._journal.add(FRAME, int(step), [values[k], momenta[k], *more])
             if memory is not None:
                 self._journal.add(MEMORY, int(steps[-1]), [memory])
         except OSError as error:
             self._failed = error
             self._raise()
-        self._pending.append((steps, values, momenta, work))
+        self._pending.append((steps, values, momenta, work, rates))
         self._memory = memory
         self._taken += len(steps)
         if self._taken % self.chunk == 0:
@@ -138,7 +141,7 @@ class Writer:
     def _flush(self, pending: Sequence[Any], memory: np.ndarray | None) -> None:
         """Write frames to the arrays, and then that they are there."""
         steps, values, momenta = (np.concatenate([block[k] for block in pending]) for k in range(3))
-        works = [block[3] for block in pending if block[3] is not None]
+        works, rates = ([block[k] for block in pending if block[k] is not None] for k in (3, 4))
         frames = Frames(
             times=self.origin + steps * self.h,
             steps=steps,
@@ -147,6 +150,7 @@ class Writer:
             origin=self.origin,
             h=self.h,
             work=np.concatenate(works) if works else None,
+            rates=np.concatenate(rates) if rates else None,
         )
         append_frames(self.root, self.outline, frames, self.model, self.done)
         group = self.root["checkpoint"]
@@ -205,6 +209,7 @@ def rewind(path: Path, frames: Frames, outline: Outline, model: Model | None, co
             origin=frames.origin,
             h=frames.h,
             work=None if frames.work is None else frames.work[some],
+            rates=None if frames.rates is None else frames.rates[some],
         )
         append_frames(root, outline, late, model, known)
     group.attrs["frames"] = count
@@ -227,6 +232,7 @@ def finish(path: Path, system: System, outline: Outline, info: Mapping[str, Any]
             origin=float(root.attrs["origin"]),
             h=float(root.attrs["dt"]),
             work=np.asarray(root["work"][some]) if "work" in root else None,
+            rates=np.asarray(root["rates"][some]) if "rates" in root else None,
         )
         append_observed(root, outline, observe(system, frames), first)
         group.attrs["observed"] = some.stop

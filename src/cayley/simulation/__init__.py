@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cayley.choice import Choice, Task, choose
-from cayley.choice.costs import seconds_of_loads
+from cayley.choice.costs import seconds_of_loads, seconds_of_ties
 from cayley.choice.schedule import Schedule, schedule
 from cayley.discrete import rules
 from cayley.discrete.rules import Rule
@@ -22,7 +22,6 @@ from cayley.simulation.run import run as _run
 from cayley.simulation.run import span_of
 from cayley.simulation.saves import Saves
 from cayley.simulation.start import start_of_model, start_of_system
-from cayley.steppers.saddle import is_constrained
 from cayley.system.discretize import spans
 from cayley.system.system import State, System
 
@@ -239,7 +238,7 @@ def _task(
         save_every=Saves(every=save_every).spacing(span),
         accuracy=accuracy,
         loads=seconds_of_loads(system),
-        constrained=is_constrained(system),
+        ties=lambda rule: seconds_of_ties(rule, system),
         busy_after=max((start for start in starts if start < t_end), default=0.0),
     )
 

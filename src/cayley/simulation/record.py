@@ -1,7 +1,7 @@
 """Where the frames of a run go: into memory, or into a store that a killed run leaves whole."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ class Block:
     values: np.ndarray
     momenta: np.ndarray
     work: np.ndarray | None = None
+    rates: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State) -> "Block":
@@ -54,11 +55,11 @@ class Record:
         room = frames if self.writer is None else min(frames, max(self.writer.room - waiting, 1))
         return max(1, min(room, int(self._count)))
 
-    def receive(self, stride: int, values: np.ndarray, momenta: np.ndarray, work: np.ndarray | None = None) -> None:
+    def receive(self, stride: int, values: np.ndarray, momenta: np.ndarray, **more: np.ndarray) -> None:
         """Take frames of a call, so many steps apart."""
         numbers = self._last + stride * (1 + np.arange(len(values)))
         self._last = int(numbers[-1])
-        self._blocks.append(Block(numbers, values, momenta, work))
+        self._blocks.append(Block(numbers, values, momenta, **more))
 
     def called(self, state: State, seconds: float) -> None:
         """A call of the stepper ended with a state, after so many seconds."""
@@ -72,9 +73,11 @@ class Record:
 
     def _write(self, state: State | None = None) -> None:
         assert self.writer is not None
-        for k, (block, work) in enumerate(zip(self._blocks, _works(self._blocks), strict=True)):
-            last = k == len(self._blocks) - 1 and state is not None
-            self.writer.add(block.steps, block.values, block.momenta, work, state.memory if last and state else None)
+        blocks = _completed(self._blocks)
+        for k, block in enumerate(blocks):
+            last = k == len(blocks) - 1 and state is not None
+            more = {"work": block.work, "rates": block.rates, "memory": state.memory if last and state else None}
+            self.writer.add(block.steps, block.values, block.momenta, **more)
         self._blocks, self._fresh = [], 0
 
     def close(self) -> None:
@@ -85,24 +88,33 @@ class Record:
 
     def frames(self, memory: np.ndarray | None) -> Frames:
         """All frames that are in memory."""
-        steps, works = np.concatenate([block.steps for block in self._blocks]), _works(self._blocks)
-        accounted = [work for work in works if work is not None]
+        blocks = _completed(self._blocks)
+        steps = np.concatenate([block.steps for block in blocks])
+        works, rates = ([own for b in blocks if (own := getattr(b, name)) is not None] for name in ("work", "rates"))
         return Frames(
             times=self.begin.origin + steps * self.begin.h,
             steps=steps,
-            values=np.concatenate([block.values for block in self._blocks]),
-            momenta=np.concatenate([block.momenta for block in self._blocks]),
+            values=np.concatenate([block.values for block in blocks]),
+            momenta=np.concatenate([block.momenta for block in blocks]),
             origin=self.begin.origin,
             h=self.begin.h,
             memory=memory,
-            work=np.concatenate(accounted) if accounted else None,
+            work=np.concatenate(works) if works else None,
+            rates=np.concatenate(rates) if rates else None,
         )
 
 
-def _works(blocks: Sequence[Block]) -> list[np.ndarray | None]:
-    """Work and loss at all frames; none at the start, unless the run goes on from one that had some."""
-    found = [block.work for block in blocks if block.work is not None]
-    if not found:
-        return [None] * len(blocks)
-    shape = found[-1].shape[1:]
-    return [np.zeros((len(block.steps), *shape)) if block.work is None else block.work for block in blocks]
+def _completed(blocks: Sequence[Block]) -> list[Block]:
+    """Blocks with work and loss and rates, if others have them; no work at the start, and no rates (NaN)."""
+    found = list(blocks)
+    for name, nothing in (("work", 0.0), ("rates", np.nan)):
+        known = [own for block in found if (own := getattr(block, name)) is not None]
+        if known:
+            shape = known[-1].shape[1:]
+            found = [
+                replace(block, **{name: np.full((len(block.steps), *shape), nothing)})
+                if getattr(block, name) is None
+                else block
+                for block in found
+            ]
+    return found

@@ -9,7 +9,8 @@ import numpy as np
 from cayley.discrete import rules
 from cayley.discrete.rules import Rule
 from cayley.model import Model
-from cayley.statics.free import free_motions, tell
+from cayley.model.loads import Gravity
+from cayley.statics.free import free_motions, simplified, tell
 from cayley.statics.newton import Solution, solve
 from cayley.statics.result import Equilibrium
 from cayley.steppers.still import Still
@@ -17,6 +18,8 @@ from cayley.system.discretize import discretize, initial_values, spans
 
 _log = logging.getLogger("cayley.statics")
 
+ALONG = 1e-9
+"""Sine of the angle between gravity and spin that counts as none."""
 ROUNDING = 10.0 * np.finfo(float).eps
 """Rounding error of stiffness, relative to the largest over its mass."""
 
@@ -63,12 +66,14 @@ def equilibrium(
     """
     if not isinstance(model, Model):
         raise TypeError(f"equilibrium: {model!r} is no Model; make one with cy.Model(...)")
+    turning = spin_of(spin)
+    _check_gravity(model, turning)
     system = discretize(model, rule)
     if start is not None and initial is not None:
         raise ValueError("equilibrium: both start and initial are given; give one")
     values = initial_values(model, system, initial or {})[0] if start is None else values_of(start, system.reference)
-    still = Still.at(system, values, _number("time", time), spin_of(spin))
-    inertia = ROUNDING * still.fastest()
+    still = Still.at(system, values, _number("time", time), turning)
+    inertia = ROUNDING * (still.fastest() or 1.0)  # bodies alone have no stiffness
     if start is not None and hasattr(start, "still") and start.still.multipliers.shape == still.multipliers.shape:
         still.put(values, start.still.multipliers)
     solution = solve(still, inertia=inertia, relax=relax)
@@ -115,6 +120,19 @@ def spin_of(spin: Any) -> np.ndarray | None:
     return given if given.shape else np.array([0.0, 0.0, float(given)])
 
 
+def _check_gravity(model: Model, spin: np.ndarray | None) -> None:
+    """Refuse gravity across the axis of a frame that turns: seen from there its direction changes all the time."""
+    for load in model.loads:
+        if spin is None or not isinstance(load, Gravity):
+            continue
+        g = np.array(load.acceleration)
+        if np.linalg.norm(np.cross(g, spin)) > ALONG * np.linalg.norm(g) * np.linalg.norm(spin):
+            raise ValueError(
+                f"equilibrium: {load} is not along the spin {tuple(spin.tolist())} rad/s, so nothing rests in the "
+                "turning frame; leave gravity out, or run the model with cy.simulate"
+            )
+
+
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | np.floating) or not np.isfinite(value):
         raise ValueError(f"{name} is {value!r}; give a number [s]")
@@ -123,7 +141,7 @@ def _number(name: str, value: Any) -> float:
 
 def _failure(model: Model, still: Still, solution: Solution, inertia: float) -> str:
     """One line on a search that failed; the system is where it began."""
-    motions = free_motions(still, inertia)
+    motions = simplified(free_motions(still, inertia))
     force = still.force()
     pushed = [m for m in motions if abs(m @ force) > 1e-6 * np.abs(m).max() * np.abs(force).max()]
     if pushed:

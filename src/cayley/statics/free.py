@@ -19,7 +19,8 @@ RESTING = 0.05
 def free_motions(still: Still, inertia: float) -> np.ndarray:
     """Motions without stiffness at an equilibrium, orthonormal in the mass norm, shape (k, unknowns).
 
-    The smallest eigenvalues of K x = ω² M x by inverse iteration of a few vectors on K + σM.
+    The smallest singular values of K, seen in the mass norm, by inverse iteration of a few vectors on K + σM. Not its
+    eigenvalues: a motion that loads drive, or that lowers the energy, has stiffness, too.
 
     Args:
         still: the system.
@@ -37,13 +38,13 @@ def free_motions(still: Still, inertia: float) -> np.ndarray:
         x = np.array([-still.solve(mass @ row) for row in x])
         x[:, still.spots] = 0.0
         x = _orthonormal(x, x @ (mass @ x.T))
-    values, vectors = np.linalg.eigh(x @ (stiffness @ x.T))
-    return vectors.T[values < CLEAR * inertia] @ x
+    _, values, rows = np.linalg.svd(x @ (stiffness @ x.T))
+    return rows[values < CLEAR * inertia] @ x
 
 
 def tell(still: Still, model: Model, motions: np.ndarray) -> list[str]:
     """Motions in words, simplified by rotation among themselves: "bob turns about (0, 0, 1) through (1, 0, 2)"."""
-    return [_describe(still, model, motion) for motion in _simplified(motions)]
+    return [_describe(still, model, motion) for motion in simplified(motions)]
 
 
 def _orthonormal(x: np.ndarray, gram: np.ndarray) -> np.ndarray:
@@ -52,7 +53,7 @@ def _orthonormal(x: np.ndarray, gram: np.ndarray) -> np.ndarray:
     return (vectors[:, good] / np.sqrt(values[good])).T @ x
 
 
-def _simplified(motions: np.ndarray) -> np.ndarray:
+def simplified(motions: np.ndarray) -> np.ndarray:
     """The same space, spanned by vectors with many zeros: reduced row echelon form with the largest pivots."""
     x = motions.copy()
     for k in range(len(x)):

@@ -12,8 +12,8 @@ TOLERANCE = 1e-9
 """A correction this small, by a new tangent, is the last: the next would be about its square."""
 FLOOR = 1e-6
 """Below, a correction that no longer shrinks is rounding."""
-LARGEST_TURN, WANTED_TURN = 1.0, 0.7
-"""Longest turn of one correction, and that of the first one of a load step [rad]; the tangent says little beyond."""
+LARGEST_TURN, WANTED_TURN = 2.0, 1.6
+"""Longest turn of one correction, and that of the first one of a load step [rad]: 2 is a quarter turn after Cayley."""
 WILD = 2.0
 """Full corrections that grow to so many times the first lead nowhere; they zigzag before: bending, then stretch."""
 SMALLEST_PART, SMALLEST_STEP = 1e-3, 1e-5
@@ -54,8 +54,10 @@ class Solution:
 def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None) -> Solution:
     """Find an equilibrium from where a system is.
 
-    Forces are put on in as few steps as corrections of less than a radian allow: f(q) = (1 − λ) f(q₀). Where this ends
-    before λ = 1, Newton's method with a line search is tried, then relaxation.
+    Loads are put on in as few steps as corrections that turn by no more than LARGEST_TURN allow: point and line loads
+    times λ, and what else acts at the start fades, f(q) = (1 − λ) f(q₀). Loads are not faded but scaled, for a moment
+    in space less one that turns with its node is a load of another kind, under which a rod may have no equilibrium.
+    Where this ends before λ = 1, Newton's method with a line search is tried, then relaxation.
 
     Args:
         still: the system; it ends at the equilibrium, or where it was.
@@ -77,11 +79,13 @@ def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None) -> S
 
 
 def _stepped(still: Still, inertia: float) -> Solution:
+    still.put_on(0.0)
     begin, total = still.force(), Solution(load_steps=0)
     done, step = 0.0, 1.0
     while done < 1.0:
         to = min(1.0, done + step)
         reached = still.values, still.multipliers
+        still.put_on(to)
         told = newton(still, fade=(1.0 - to) * begin if to < 1.0 else None, inertia=inertia)
         total.iterations += told.iterations
         total.history, total.worst = told.history, told.worst
@@ -92,6 +96,7 @@ def _stepped(still: Still, inertia: float) -> Solution:
         still.put(*reached)
         step = (to - done) * (max(WANTED_TURN / told.long, 0.05) if told.long else 0.5)
         if step < SMALLEST_STEP:
+            still.put_on(1.0)
             return total
     total.found = True
     return total
@@ -102,8 +107,10 @@ def newton(
 ) -> Solution:
     """Correct values and multipliers until forces vanish: K x = −f, q ← q + x.
 
-    Slender structures converge fast but not monotonically, so full corrections are taken; with care, that part after
-    which the next correction with the same tangent is shorter (the natural monotonicity test).
+    After each correction positions are settled (see Still.settle): the stretch by its turn, at most η²/2, would be a
+    force of EA η²/2 in the next tangent, and slender rods would take many small corrections. Structures converge fast
+    but not monotonically, so full corrections are taken; with care, that part after which the next correction with the
+    same tangent is shorter (the natural monotonicity test).
 
     Args:
         still: the system; where it is, is the start.
@@ -141,8 +148,17 @@ def newton(
                 return told
         else:
             still.move(x, min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0)
+            _settle(still, size, fade, inertia)
         last = size
     return told
+
+
+def _settle(still: Still, size: float, fade: np.ndarray | None, inertia: float) -> None:
+    """Take out what a correction stretched, if that is no more than the correction itself."""
+    if size > FLOOR:
+        x = still.settle(fade, inertia=inertia)
+        if x is not None and still.measure(x)[0] <= size:
+            still.move(x)
 
 
 def _careful(still: Still, inertia: float) -> Solution:

@@ -2,12 +2,14 @@
 
 import functools
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cayley.model import Model
+from cayley.model.notebook import html_table
 from cayley.results.frames import Frames
 from cayley.results.trajectory import Trajectory
 from cayley.statics.free import free_motions, tell
@@ -18,6 +20,9 @@ from cayley.system.system import State, System
 
 if TYPE_CHECKING:
     import xarray as xr
+
+SYMMETRIC = 1e-12
+"""Largest difference of a stiffness from its transpose that is rounding, relative to its largest entry."""
 
 
 class Equilibrium:
@@ -61,7 +66,9 @@ class Equilibrium:
     @functools.cached_property
     def frame(self) -> Trajectory:
         """The equilibrium as a run of one frame."""
-        state = self.state
+        state, system = self.state, self.system
+        if self.still.spin is None:
+            state, system = replace(state, momenta=np.zeros_like(state.momenta)), at_rest(system)
         frames = Frames(
             times=np.array([self.time]),
             steps=np.zeros(1, dtype=np.int64),
@@ -70,9 +77,7 @@ class Equilibrium:
             origin=self.time,
             h=0.0,
         )
-        return Trajectory(
-            frames=frames, info={"wall_time": 0.0}, system=self.system, model=self.model, parts=self._parts
-        )
+        return Trajectory(frames=frames, info={"wall_time": 0.0}, system=system, model=self.model, parts=self._parts)
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name, as those of a run without the time."""
@@ -117,8 +122,18 @@ class Equilibrium:
 
     @functools.cached_property
     def unstable(self) -> int:
-        """Number of independent motions that lower the energy: 0 where the equilibrium is stable (or indifferent)."""
+        """Number of independent motions that lower the energy: 0 where the equilibrium is stable (or indifferent).
+
+        Where loads are not conservative, those along which the symmetric part of the stiffness is negative: without any
+        it is stable, with some it may be or not.
+        """
         return self.still.unstable(inertia=CLEAR * self.inertia)
+
+    @functools.cached_property
+    def conservative(self) -> bool:
+        """Whether the stiffness is symmetric, as where all loads have an energy."""
+        stiffness = self.still.matrix(0)
+        return float(abs(stiffness - stiffness.T).max()) <= SYMMETRIC * float(abs(stiffness).max())
 
     @property
     def stable(self) -> bool:
@@ -134,15 +149,37 @@ class Equilibrium:
         """Write it to a Zarr store, as a run of one frame; Trajectory.open reads it."""
         self.frame.save(path, overwrite=overwrite)
 
+    @property
+    def _kind(self) -> str:
+        if not self.stable and not self.conservative:
+            return "stability open under loads without an energy (see cy.modes)"
+        return "stable" if self.stable else f"unstable in {self.unstable} motion{'s' * (self.unstable > 1)}"
+
+    def _repr_html_(self) -> str:
+        """How it was found, as a table in a notebook."""
+        rows = [
+            ("kind", self._kind),
+            ("found by", self.solution.how),
+            ("corrections", f"{self.iterations} in {self.load_steps} load step{'s' * (self.load_steps != 1)}"),
+            ("largest force left", f"{self.residual:.1e} N, N m"),
+            ("potential energy", f"{self.potential_energy:.6g} J"),
+            *(("free to move", motion) for motion in self.free_motions),
+        ]
+        return html_table("Equilibrium", rows)
+
     def __repr__(self) -> str:
         """Say how it was found."""
         loads = f" in {self.load_steps} load steps" if self.load_steps > 1 else ""
         free = f", free to move: {'; '.join(self.free_motions)}" if self.free_motions else ""
-        kind = "stable" if self.stable else f"unstable in {self.unstable} motion{'s' * (self.unstable > 1)}"
         return (
-            f"<Equilibrium: {kind}, {self.iterations} corrections{loads} by {self.solution.how}, "
+            f"<Equilibrium: {self._kind}, {self.iterations} corrections{loads} by {self.solution.how}, "
             f"largest force left {self.residual:.1e}{free}>"
         )
+
+
+def at_rest(system: System) -> System:
+    """The system with prescribed motions that stand still: their rates and accelerations take no forces."""
+    return replace(system, joints=tuple(replace(joint, steady=True) for joint in system.joints))
 
 
 def frame_velocity(still: Still, values: np.ndarray) -> np.ndarray:

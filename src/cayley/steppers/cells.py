@@ -10,7 +10,7 @@ import numpy as np
 from cayley.codegen.kernels import Kernel, compiled
 from cayley.density.force import KINDS, NODE
 from cayley.discrete.joint import COUNTS, joint_program
-from cayley.discrete.places import name_at
+from cayley.discrete.places import name_at, placed
 from cayley.discrete.program import Program
 from cayley.discrete.rules import Points, lagrange, lobatto
 from cayley.discrete.spring import damper_program, spring_program
@@ -41,6 +41,7 @@ class Cells:
         drive: function times (m,) -> (m, driven, drives), of the last constants of driven cells, or None.
         driver: which driven cell a cell is, or −1, shape (cells,).
         names: what joints and springs are called.
+        group: number of the density they are of; None for joints and springs.
         alternating: whether forces of its multipliers can make rotations alternate from node to node (see couplings.c).
         starts: first of the entries of every pair of slots, one more behind the last.
         entries: place in the pair and row of the kernel of second derivatives that are not always zero, shape (k, 2).
@@ -64,6 +65,7 @@ class Cells:
     drive: Callable[[np.ndarray], np.ndarray] | None = None
     driver: np.ndarray | None = None
     names: tuple[str, ...] = ()
+    group: int | None = None
     alternating: bool = False
     starts: np.ndarray = field(init=False, repr=False)
     entries: np.ndarray = field(init=False, repr=False)
@@ -119,11 +121,13 @@ class _Chosen:
     """Some nodes of a group.
 
     Args:
+        number: of the group.
         group: the system of one density.
         nodes: among its nodes, shape (n,).
         places: what cells number these by, shape (n,).
     """
 
+    number: int
     group: System
     nodes: np.ndarray
     places: np.ndarray
@@ -132,9 +136,9 @@ class _Chosen:
 def _chosen(system: System, nodes: np.ndarray) -> list[_Chosen]:
     """Some nodes of a system, in rising order, by groups."""
     found = []
-    for group, own in system.spans:
+    for number, (group, own) in enumerate(system.spans):
         places = np.flatnonzero((nodes >= own.start) & (nodes < own.stop))
-        found.append(_Chosen(group, nodes[places] - own.start, places))
+        found.append(_Chosen(number, group, nodes[places] - own.start, places))
     return found
 
 
@@ -142,6 +146,7 @@ def _at_nodes(own: _Chosen, name: str, **kind: Any) -> Cells:
     system, nodes = own.group, own.nodes
     return Cells(
         **_kernels(system, name, "_force"),
+        group=own.number,
         nodes=own.places[:, None],
         phi=np.ones((1, 1)),
         psi=np.zeros((1, 1)),
@@ -166,14 +171,19 @@ def _on_elements(own: _Chosen, name: str, *, light: str = "_force", sign: float 
     lengths = system.named["length"][nodes[:, :-1]].sum(axis=1)
     phi, psi, heavy = in_space(strain)
     along = np.zeros(1) if strain.between_ends else np.array(strain.at)
+    constant = _constants(system, np.repeat(nodes[:, :1], len(heavy), axis=1), np.outer(lengths, along))
+    if strain.corners:  # one evaluation for both: what differs between them stands behind
+        others = [system.named[name][nodes[:, :1]] for name in placed(system.equations.varying)]
+        constant = np.concatenate([constant, *(values[:, :, None] for values in others)], axis=2)
     return Cells(
         **_kernels(system, name, light),
+        group=own.number,
         nodes=own.places[nodes],
         phi=phi,
         psi=psi,
         inverse=np.ones(len(lengths)) if strain.between_ends else 1.0 / lengths,
         weight=sign * np.outer(lengths, heavy),
-        constant=_constants(system, np.repeat(nodes[:, :1], len(heavy), axis=1), np.outer(lengths, along)),
+        constant=constant,
         slots=2,
         **kind,
     )
@@ -277,10 +287,10 @@ def _between(
     local = np.full(system.size + 1, -1)
     local[nodes] = np.arange(len(nodes))
     local[-1] = len(nodes)  # the ground
-    signature = repr(system.layout)
+    signature = f"{dict(system.layout.fields)} {system.layout.representation.name}"  # the same in every process
     return {
         "programs": programs,
-        "kernels": tuple(_kernel(one, system.kernels.lanes, signature) for one in programs),
+        "kernels": tuple(compiled(one, system.kernels.lanes, signature) for one in programs),
         "uniforms": np.zeros(0),
         "nodes": local[np.array([(tie.first, tie.second) for tie in ties])],
         "phi": np.array([[1.0, 0.0]]),
@@ -302,17 +312,6 @@ __all__ = [
     "spring_cells",
     "term_cells",
 ]
-
-
-_KERNELS: dict[tuple[str, int, str], Kernel] = {}
-"""Kernels of joints and springs that this process has loaded."""
-
-
-def _kernel(program: Program, lanes: int, signature: str) -> Kernel:
-    key = (program.name, lanes, signature)
-    if key not in _KERNELS:
-        _KERNELS[key] = compiled(program, lanes, signature)
-    return _KERNELS[key]
 
 
 def _second_derivatives(cells: Cells) -> tuple[np.ndarray, np.ndarray]:

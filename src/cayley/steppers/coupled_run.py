@@ -13,7 +13,9 @@ from cayley.steppers.cells import spring_cells
 from cayley.steppers.native import fill, structure
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
+from cayley.steppers.turned_run import run_turned
 from cayley.system.system import State, System, aligned, by_node, gather, joined, pack, split
+from cayley.system.turned import embedded
 
 CHUNK = 20_000
 """Most steps in one call of the driver."""
@@ -137,6 +139,8 @@ def run(
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
+    if system.layout.representation.name != "quaternion":
+        return run_turned(run, system, state, stride=stride, saves=saves, receive=receive, progress=progress)
     explicit = make_plan(system)
     data = [pack(*pair) for pair in split(system, _without_ties(state))]
     done = 0
@@ -185,7 +189,7 @@ def _unpacked(explicit: Explicit, frames: list[np.ndarray]) -> tuple[np.ndarray,
 
 def prepare(system: System) -> None:
     """Compile or load everything a run of the system calls."""
-    make_plan(system)
+    make_plan(embedded(system))
 
 
 def _advance(

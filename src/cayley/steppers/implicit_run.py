@@ -3,18 +3,16 @@
 import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from cayley.codegen.kernels import Kernels
-from cayley.discrete.equations import derive
-from cayley.discrete.layout import Layout
 from cayley.steppers import problem
 from cayley.steppers.cells import constraint_cells, term_cells
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
-from cayley.system.system import LoadEntries, State, System
+from cayley.steppers.turned_run import run_turned
+from cayley.system.system import State, System
+from cayley.system.turned import embedded
 
 CHUNK = 2_000
 """Most steps in one call of the driver."""
@@ -31,7 +29,7 @@ def run(
 ) -> Result:
     """Advance a state through frames, each stride steps after the one before; arguments as in decoupled_run.run."""
     if system.layout.representation.name != "quaternion":
-        return _run_turned(system, state, stride=stride, saves=saves, receive=receive, progress=progress)
+        return run_turned(run, system, state, stride=stride, saves=saves, receive=receive, progress=progress)
     plan = make_plan(system)
     accounted = system.accounted
     rows = system.layout.rows
@@ -43,7 +41,8 @@ def run(
         outcome, reached, counts = call.outcome, call.reached, call.counts
         if reached:
             values, momenta = frames[:reached, :, :rows].copy(), frames[:reached, :, rows:].copy()
-            receive(values, momenta, work=call.work[:reached]) if accounted else receive(values, momenta)
+            more = {"work": call.work[:reached]} if accounted else {}
+            receive(values, momenta, **more, **({"rates": call.rates[:reached]} if system.damped else {}))
             last = state.step + reached * stride
             # after a failure the memory is not that of the last frame
             memory = call.memory if outcome is Outcome.FINISHED else None
@@ -92,9 +91,10 @@ class Advance:
         outcome: how it ended.
         reached: frames written.
         counts: iterations in all, most in a step, number and node of the last step, shape (4,).
-        memory: control nodes and multipliers of the last step, flat.
+        memory: control nodes, multipliers and, where there is damping, the motion of the last steps, flat.
         history: relative correction and largest residual [N s, N m s] of the last iterations, shape (HISTORY, 2).
         work: work and loss at the frames [J], shape (frames, 1, 2).
+        rates: velocities at the frames by the last three steps (see Frames), shape (frames, nodes, dofs).
     """
 
     outcome: Outcome
@@ -103,6 +103,7 @@ class Advance:
     memory: np.ndarray
     history: np.ndarray
     work: np.ndarray
+    rates: np.ndarray
 
 
 def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
@@ -110,6 +111,9 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     system, steps = plan.system, len(frames) * stride
     entries, scales = load_entries(system)
     work = np.zeros((len(frames), 1, 2))
+    shape = (plan.size, system.layout.dofs)
+    motion = np.zeros((3, plan.size + 1, shape[1])) if system.damped else np.zeros(0)
+    rates = np.zeros((len(frames), *shape)) if system.damped else np.zeros(0)
     made = problem.make_problem(
         plan,
         state,
@@ -121,6 +125,8 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
             "scales": scales,
             "frames": frames,
             "works": work,
+            "rates": rates,
+            **({"motion": motion} if system.damped else {}),
         },
     )
     if state.work is not None:
@@ -128,23 +134,27 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     made.struct.warm = int(_recall(state, made))
     reached = ctypes.c_int64(0)
     code = made.engine.advance(ctypes.byref(made.struct), ctypes.byref(reached))
-    flat = [made.arrays["memory"][:, :-1].reshape(-1), *(c["start"].reshape(-1) for c in made.couplings)]
     outcome, counts = list(Outcome)[code], made.arrays["counts"]
     if outcome is Outcome.REDUNDANT:
         counts[3] = np.flatnonzero(plan.block_of == counts[3])[0]
-    return Advance(outcome, reached.value, counts, np.concatenate(flat), made.arrays["history"], work)
+    memory = np.concatenate([part.reshape(-1) for part in _remembered(made)])
+    return Advance(outcome, reached.value, counts, memory, made.arrays["history"], work, rates)
+
+
+def _remembered(made: problem.Problem) -> list[np.ndarray]:
+    """Views of what a state remembers of the last steps."""
+    parts = [made.arrays["memory"][:, :-1], *(c["start"] for c in made.couplings)]
+    return [*parts, made.arrays["motion"]] if made.plan.system.damped else parts
 
 
 def _recall(state: State, made: problem.Problem) -> bool:
-    """Put what a state remembers of the last step into the arrays; returns whether there was anything."""
-    inner = made.arrays["memory"][:, :-1]
-    sizes = [inner.size, *(c["start"].size for c in made.couplings)]
+    """Put what a state remembers into the arrays; returns whether there was anything."""
+    parts = _remembered(made)
+    sizes = [part.size for part in parts]
     if state.memory is None or state.memory.shape != (sum(sizes),):
         return False
-    first, *others = np.split(state.memory, np.cumsum(sizes)[:-1])
-    inner[:] = first.reshape(inner.shape)
-    for coupling, values in zip(made.couplings, others, strict=True):
-        coupling["start"][:] = values.reshape(coupling["start"].shape)
+    for part, values in zip(parts, np.split(state.memory, np.cumsum(sizes)[:-1]), strict=True):
+        part[:] = values.reshape(part.shape)
     return True
 
 
@@ -171,69 +181,3 @@ def load_entries(system: System) -> tuple[np.ndarray, np.ndarray]:
     moment = [int(int(d) in moments) for d in loads.dof]
     columns = [loads.node, np.array(row), loads.turn, loads.form, loads.column, np.array(moment), loads.dof]
     return np.column_stack(columns).astype(np.int64), loads.factors
-
-
-def _run_turned(
-    system: System,
-    state: State,
-    *,
-    receive: Callable[..., None],
-    **options: Any,
-) -> Result:
-    """Run a system whose rotations are stored as matrices.
-
-    The steps are those of unit quaternions: control nodes are interpolated in their embedding R⁴, where matrices would
-    need a polar decomposition at every point. Frames hold matrices; what is remembered of the last step holds its end
-    as quaternions too, so that a run goes on bit for bit.
-    """
-    inner = embedded(system)
-    values, memory, size = _turned(system, inner, state.values, to_quaternion=True), None, inner.reference.size
-    if state.memory is not None and state.memory.ndim == 1 and len(state.memory) > size:
-        remembered = state.memory[-size:].reshape(inner.reference.shape)
-        if np.array_equal(_turned(system, inner, remembered, to_quaternion=False), state.values):
-            values, memory = remembered.copy(), state.memory[:-size]
-
-    def receive_turned(values: np.ndarray, momenta: np.ndarray, **more: np.ndarray) -> None:
-        receive(_turned(system, inner, values, to_quaternion=False), momenta, **more)
-
-    begin = replace(state, values=values, memory=memory)
-    result = run(inner, begin, receive=receive_turned, **options)
-    end = result.state
-    memory = None if end.memory is None else np.concatenate([end.memory, end.values.reshape(-1)])
-    reached = state.values if end is begin else _turned(system, inner, end.values, to_quaternion=False)
-    return replace(result, state=replace(end, values=reached, memory=memory))
-
-
-def embedded(system: System) -> System:
-    """The same system with rotations as unit quaternions."""
-    if system.layout.representation.name == "quaternion":
-        return system
-    equations = system.equations
-    known = equations._derived
-    if "embedded" not in known:
-        made = derive(equations.density, equations.rule, varying=equations.varying)
-        known["embedded"] = made, Kernels(made)
-    made, kernels = known["embedded"]
-    inner = replace(system, equations=made, kernels=kernels, loads=_turned_loads(system, made.layout))
-    return replace(inner, reference=_turned(system, inner, system.reference, to_quaternion=True))
-
-
-def _turned(system: System, inner: System, values: np.ndarray, *, to_quaternion: bool) -> np.ndarray:
-    """Values with quaternions for matrices or the other way round, shape (..., nodes, rows)."""
-    source, target = (system, inner) if to_quaternion else (inner, system)
-    found = np.empty((*values.shape[:-1], target.layout.rows))
-    matrix = system.layout.representation
-    for name in system.layout.fields:
-        part = values[..., source.layout.rows_of(name)]
-        if name in system.layout.rotations:
-            part = matrix.to_quaternion(part) if to_quaternion else matrix.from_quaternion(part)
-        found[..., target.layout.rows_of(name)] = part
-    return found
-
-
-def _turned_loads(system: System, layout: Layout) -> LoadEntries | None:
-    """Loads with the rows of the other form."""
-    if system.loads is None:
-        return None
-    row = {system.layout.rows_of(name).start: layout.rows_of(name).start for name in layout.rotations}
-    return replace(system.loads, turn=np.array([row[int(turn)] for turn in system.loads.turn], dtype=np.int64))

@@ -222,6 +222,8 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
         "entries": np.zeros((0, 7), dtype=np.int64),
         "scales": np.zeros(0),
         "frames": np.zeros(0),
+        "motion": 0,
+        "rates": np.zeros(0),
         "works": np.zeros(0),
         "counts": np.zeros(4, dtype=np.int64),
         "history": np.full((HISTORY, 2), np.nan),

@@ -1,7 +1,7 @@
 """Constraints of a system at one time: how far they are violated, momenta that agree with them, and their forces."""
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from cayley.steppers.cells import Cells, constraint_cells, inertia_cells
 from cayley.steppers.problem import Plan
 from cayley.system.couplings import Coupling, Elastic
 from cayley.system.system import State, System
+from cayley.system.turned import as_quaternions, embedded
 
 
 def constrained_nodes(system: System) -> np.ndarray:
@@ -40,6 +41,7 @@ def is_constrained(system: System) -> bool:
 
 def violation(system: System, values: np.ndarray, time: float = 0.0) -> list[tuple[Cells, np.ndarray]]:
     """The constraints g of all cells, shape (cells, gauss × count) for each kind of them."""
+    values, system = as_quaternions(system.layout, values), embedded(system)
     state = State(values=values, momenta=np.zeros((len(values), system.layout.dofs)), origin=time, h=1.0)
     made = problem.make_problem(make_plan(system), state, 1, 1)
     engine = made.engine
@@ -55,8 +57,9 @@ def largest_violation(system: System, values: np.ndarray, time: float = 0.0) -> 
 
 def projected(system: System, state: State) -> tuple[np.ndarray, int]:
     """Momenta μ − Gᵀ ν whose velocities agree with the constraints; and the node of a redundant one, or −1."""
-    plan = make_plan(system)
-    made = problem.make_problem(plan, state if state.h else state.at_step(1.0), 1, 1)
+    plan = make_plan(embedded(system))
+    begin = replace(state, values=as_quaternions(system.layout, state.values))
+    made = problem.make_problem(plan, begin if begin.h else begin.at_step(1.0), 1, 1)
     time = ctypes.c_double(state.time)
     failed = made.engine.project(ctypes.byref(made.struct), *_words(0, 0), time, ctypes.c_double(made.struct.h))
     if failed:

@@ -1,6 +1,7 @@
 """Systems at rest, or in a frame that turns: forces, their derivatives and corrections, by the compiled engine."""
 
 import ctypes
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -62,6 +63,8 @@ class Still:
         made = problem.make_problem(plan, blank, 1, 1, more)
         found = cls(made, spin)
         found.made.arrays["control"][1] = found.made.arrays["control"][0]
+        for term in made.alive[0]:
+            term["held"][:] = 1  # settle holds more than supports do
         found.set_time(time)
         found._scale()
         return found
@@ -121,9 +124,30 @@ class Still:
         if loads is not None:
             made.arrays["table"] = np.ascontiguousarray(loads.table.at_stages(np.array([[time]]), INSTANT, time))
             made.struct.table, made.struct.columns = made.arrays["table"].ctypes.data, loads.columns
+            made.arrays["whole table"] = made.arrays["table"].copy()
         for cells, coupling in zip(made.plan.constraints, made.couplings, strict=True):
             if cells.drive is not None:
                 coupling["drive"][0] = cells.drive(np.full(2, time))
+
+    def set_constants(self, values: Sequence[Mapping[str, float]]) -> None:
+        """Give constants that are equal everywhere in a density other values, by their labels ("c.gravity[2]").
+
+        Args:
+            values: for each density of the system.
+        """
+        for cells, term in zip(self.made.plan.terms, self.made.alive[0], strict=True):
+            if cells.group is None:
+                continue
+            equations, given = self.system.groups[cells.group].equations, values[cells.group]
+            names = (name for name in equations.density.names if name not in equations.varying)
+            for k, name in enumerate(names):
+                if name in given:
+                    term["uniforms"][:, 1 + k] = term["light_uniforms"][:, 1 + k] = given[name]
+
+    def put_on(self, share: float) -> None:
+        """Take a share of all point and line loads, as they are at this time."""
+        if self.system.loads is not None:
+            self.made.arrays["table"][:] = share * self.made.arrays["whole table"]
 
     def force(self) -> np.ndarray:
         """Forces on the unknowns, and violations with the other sign (see struct problem), shape (unknowns,)."""
@@ -137,11 +161,12 @@ class Still:
         force = self._assemble(tangent=True)
         if inertia:
             self._call("add_inertia", ctypes.c_double(self.time), ctypes.c_double(-inertia))
-        arrays, plan = self.made.arrays, self.made.plan
-        failed = self.made.engine.factorize(
-            ctypes.c_int64(plan.blocks.fronts), address(arrays["matrix"]), address(arrays["pivots"]), None
-        )
-        return force, not failed
+        return force, self._factorize()
+
+    def _factorize(self) -> bool:
+        """Factorize the matrix; returns whether it is regular."""
+        arrays, fronts = self.made.arrays, ctypes.c_int64(self.made.plan.blocks.fronts)
+        return not self.made.engine.factorize(fronts, address(arrays["matrix"]), address(arrays["pivots"]), None)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solution of K x = right, with the factorized tangent of equilibrium K."""
@@ -149,6 +174,42 @@ class Still:
         fronts = ctypes.c_int64(self.made.plan.blocks.fronts)
         self.made.engine.solve(fronts, address(arrays["matrix"]), address(arrays["pivots"]), address(x))
         return x
+
+    def settle(self, fade: np.ndarray | None = None, *, inertia: float = 0.0) -> np.ndarray | None:
+        """Correction of positions and multipliers alone, rotations being what they are; None where it is singular.
+
+        Strains are linear in positions: this takes out at once what a finite turn stretches, and Newton's method sees
+        the forces in a slender rod, not those of its own last correction.
+
+        Args:
+            fade: forces that are subtracted.
+            inertia: a mass matrix by which stiffness is raised [1/s²].
+        """
+        free, layout = self.made.arrays["free"], self.system.layout
+        kept = free.copy()
+        for name in layout.rotations:
+            free[:, layout.dofs_of(name)] = 0.0
+        force = self._assemble(tangent=True)
+        if inertia:
+            self._call("add_inertia", ctypes.c_double(self.time), ctypes.c_double(-inertia))
+        idle = self._idle()
+        self.made.arrays["matrix"][self.made.arrays["diagonal"][idle]] = 1.0
+        right = -force if fade is None else fade - force
+        right[self.dofs[free[:-1] == 0.0]] = right[idle] = 0.0
+        regular = self._factorize()
+        free[:] = kept
+        return self.solve(right) if regular else None
+
+    def _idle(self) -> np.ndarray:
+        """Multipliers of constraints in which nothing may move."""
+        found, dofs = [np.zeros(0, dtype=np.int64)], np.arange(self.system.layout.dofs)
+        for coupling in self.made.couplings:
+            along, together = coupling["along"], np.arange(coupling["multiplier"].shape[2])
+            where = along[..., 0, None, None] + along[..., 1, None, None] * together[:, None] + dofs
+            slopes = self.made.arrays["matrix"][np.maximum(where, 0)] * (along[..., 0, None, None] >= 0)
+            resting = ~np.any(slopes != 0.0, axis=(1, 3))
+            found.append((coupling["spot"][:, None] + together)[resting])
+        return np.concatenate(found)
 
     def move(self, x: np.ndarray, part: float = 1.0) -> None:
         """Correct values and multipliers by part of x."""

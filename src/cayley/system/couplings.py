@@ -26,6 +26,7 @@ class Coupling:
         parameters: offset and frame in a, offset and frame in b, and of a link its length [m];
             shape (parameter_count(kind),). Of a joint to the ground, offset and frame in b are those in space.
         drive: prescribed relative motion, a function of times (m,) -> d and r, shape (m, 7); None: there is none.
+        steady: the prescribed motion is taken at one time, as if it stood still there.
     """
 
     kind: str
@@ -34,6 +35,7 @@ class Coupling:
     second: int
     parameters: np.ndarray
     drive: Callable[[np.ndarray], np.ndarray] | None = None
+    steady: bool = False
 
     @property
     def grounded(self) -> bool:

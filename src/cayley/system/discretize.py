@@ -11,6 +11,7 @@ from cayley.density import Density, trace
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
 from cayley.discrete.places import name_at, placed, plain
+from cayley.discrete.representation import REPRESENTATIONS
 from cayley.discrete.rules import Rule
 from cayley.model import LagrangianPart, Model, Part, PointMass, Rod
 from cayley.model.loads import Gravity, LineLoad, PointLoad
@@ -26,6 +27,7 @@ from cayley.system.rod_arrays import STRAIN_CONSTANTS, PartArrays, rod_arrays
 from cayley.system.rod_forces import with_forces
 from cayley.system.system import LoadEntries, System
 from cayley.system.tables import time_table
+from cayley.system.turned import as_quaternions
 
 
 def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", account: bool = False) -> System:
@@ -110,7 +112,6 @@ def _member(draft: _Draft, rule: Rule, rotation: str, lanes: int, *, account: bo
     entries, parts = draft.entries, draft.parts
     within = {plain(name) for name in placed(entries)}
     varying = [n for n, values in entries.items() if plain(n) in within or np.any(values != values[0])]
-    _refuse_within(rule, varying)
     equations = derive(draft.density, rule, rotation=rotation, varying=varying, account=account)
     layout = equations.layout
     reference = np.zeros((sum(part.size for part in parts), layout.rows))
@@ -146,9 +147,9 @@ def first_nodes(model: Model, degree: int) -> dict[int, int]:
 
 
 def _check_joints(layout: Layout, reference: np.ndarray, free: np.ndarray, joints: Sequence[Coupling]) -> None:
-    """Refuse joints of rotations as matrices, and constraints that follow from others."""
-    _check_form(layout, "joints and springs")
-    lines = redundant(layout, reference, free, joints)
+    """Refuse constraints that follow from others."""
+    form = Layout(layout.fields, REPRESENTATIONS["quaternion"])
+    lines = redundant(form, as_quaternions(layout, reference), free, joints)
     if lines:
         raise ValueError(
             f"Model: {len(lines)} joint{'s are' if len(lines) > 1 else ' is'} redundant at the start, so their forces "
@@ -262,20 +263,6 @@ def _within(
             if np.any(own != values):
                 found[name_at(label, k)] = own
     return found
-
-
-def _refuse_within(rule: Rule, varying: Sequence[str]) -> None:
-    """Refuse implicit rules of corners, which read constants once an element, where they differ within it.
-
-    Raises:
-        ValueError: there are such constants.
-    """
-    within = placed(varying)
-    if within and rule.implicit and rule.strain.corners:
-        raise ValueError(
-            f"the rule {rule} does not read {plain(within[0])} at every strain point yet, and it differs within an "
-            "element here (curved or tapered rods); use midpoint, screw_midpoint, galerkin or explicit rules"
-        )
 
 
 def _entry(constants: Mapping[str, np.ndarray], label: str) -> np.ndarray:

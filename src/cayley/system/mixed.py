@@ -1,4 +1,4 @@
-"""Systems of several densities: what their members share (docs/adr/0008)."""
+"""Systems of several densities: what their members share (docs/adr/0009)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

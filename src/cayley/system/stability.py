@@ -14,6 +14,7 @@ from cayley.discrete.rules import lobatto_weights
 from cayley.system.damping import Matrices, forced_matrices
 from cayley.system.spring_limits import largest, spring_columns
 from cayley.system.system import System, joined
+from cayley.system.turned import as_quaternions, embedded
 
 SHARPNESS = 1.02
 DENSE = 400
@@ -42,12 +43,22 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
 
     Returns: the step [s]; infinite where nothing oscillates, not a number where springs have no finite derivatives.
     """
+    return float(np.min(_limits(system, values, rates, enough)))
+
+
+def decay_limit(system: System, values: np.ndarray, *, enough: float = np.inf) -> float:
+    """The part 2/δ_max of stable_dt, about values at rest: what decays faster is not resolved by a longer step [s]."""
+    return _limits(system, values, None, enough)[1]
+
+
+def _limits(system: System, values: np.ndarray, rates: np.ndarray | None, enough: float) -> tuple[float, float]:
+    """2/ω_max and 2/δ_max."""
     of_groups = [_matrices(group, values[nodes]) for group, nodes in system.spans]
     masses, stiffness = joined([own for own, _ in of_groups]), _joined([own for _, own in of_groups])
     try:
         springs, dampers = _tied(system, values, masses)
     except FloatingPointError:
-        return float("nan")
+        return np.nan, np.nan
     damping: tuple[np.ndarray, np.ndarray] | None = None
     if system.with_forces:
         motion = np.zeros((system.size, system.layout.dofs)) if rates is None else rates
@@ -57,8 +68,7 @@ def stable_dt(system: System, values: np.ndarray, rates: np.ndarray | None = Non
         damping = (np.zeros_like(stiffness[0]), np.zeros_like(stiffness[1]))
     squared = _highest(system, masses, stiffness, springs, 4.0 / enough**2)
     rate = 0.0 if damping is None else _highest(system, masses, damping, dampers, 2.0 / enough)
-    limits = [2.0 / np.sqrt(squared) if squared > 0.0 else np.inf, 2.0 / rate if rate > 0.0 else np.inf]
-    return float(min(limits))
+    return 2.0 / float(np.sqrt(squared)) if squared > 0.0 else np.inf, 2.0 / rate if rate > 0.0 else np.inf
 
 
 def _forced(system: System, values: np.ndarray, rates: np.ndarray) -> tuple[Matrices, Matrices]:
@@ -80,7 +90,8 @@ def _tied(system: System, values: np.ndarray, masses: np.ndarray) -> tuple[csc_a
     if not system.springs:
         return None, None
     free = system.free
-    found = spring_columns(system, values, free[:, :, None] * _inverse_roots(masses) * free[:, None, :])
+    values, roots = as_quaternions(system.layout, values), free[:, :, None] * _inverse_roots(masses) * free[:, None, :]
+    found = spring_columns(embedded(system), values, roots)
     springs, dampers = (columns if columns.shape[1] else None for columns in found)
     return springs, dampers
 

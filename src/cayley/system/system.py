@@ -25,8 +25,8 @@ class State:
         origin: time of step 0 [s].
         step: number of steps taken since.
         h: the time step [s], or 0 before the first.
-        memory: control nodes of the step before, without its last, from which implicit rules guess the next step;
-            None where there is none. Shape (nodes, degree in time, layout.rows).
+        memory: what a stepper remembers of the steps before, such as control nodes from which implicit rules guess the
+            next step, flat; None where there is nothing.
         work: work of loads and forces that are not in the Lagrangian and do not depend on velocities, and loss by those
             that do [J], since the run began; entry by entry as a stepper adds them up, shape (k, 2), of explicit rules
             one for each cell; None where nothing is accounted for.
@@ -160,8 +160,12 @@ class System:
     @property
     def accounted(self) -> bool:
         """Whether a run keeps an account of work and loss: on request, with forces beside the Lagrangian or drives."""
-        driven = any(joint.drive is not None for joint in self.joints)
-        return self.account or self.with_forces or driven or any(spring.damped for spring in self.springs)
+        return self.account or self.damped or any(joint.drive is not None for joint in self.joints)
+
+    @property
+    def damped(self) -> bool:
+        """Whether forces may depend on velocities: those beside the Lagrangian, and dampers."""
+        return self.with_forces or any(spring.damped for spring in self.springs)
 
     @property
     def cells(self) -> int:

@@ -39,7 +39,8 @@ class TimeTable:
         begin = times.mean(axis=1) - 0.5 * h
         for k, (load, function) in enumerate(zip(self.loads, self.functions, strict=True)):
             start = -np.inf if load.start <= origin else load.start
-            part = np.clip((np.minimum(begin + h, load.until) - np.maximum(begin, start)) / h, 0.0, 1.0)
+            outside = np.maximum(start - begin, 0.0) + np.maximum(begin + h - load.until, 0.0)
+            part = np.clip(1.0 - outside / h, 0.0, 1.0)  # 1 inside, though h may be close to rounding errors of begin
             part[part < 1e-9] = 0.0
             on = np.flatnonzero(part)
             if len(on):
@@ -54,8 +55,8 @@ class TimeTable:
         first = np.where(times > origin + 1e-6 * h, times - 0.5 * h, times)  # the run begins with half a step
         for k, (load, function) in enumerate(zip(self.loads, self.functions, strict=True)):
             start = -np.inf if load.start <= origin else load.start
-            inside = np.minimum(times + 0.5 * h, load.until) - np.maximum(first, start)
-            part = np.clip(inside / (times + 0.5 * h - first), 0.0, 1.0)
+            outside = np.maximum(start - first, 0.0) + np.maximum(times + 0.5 * h - load.until, 0.0)
+            part = np.clip(1.0 - outside / (times + 0.5 * h - first), 0.0, 1.0)
             part[part < 1e-9] = 0.0  # a window that ends on a step, up to rounding
             on = np.flatnonzero(part)
             if len(on):

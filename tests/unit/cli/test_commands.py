@@ -40,7 +40,7 @@ def test_resume_goes_on_as_if_it_had_never_stopped(call, small, spoiled, tmp_pat
 
 def test_check(call, small, spoiled, tmp_path):
     (tmp_path / "good.toml").write_text(small)
-    (tmp_path / "bad.toml").write_text(spoiled("elements", "elemnts"))
+    (tmp_path / "bad.toml").write_text(spoiled("elements", "element"))
     good = call("check", "good.toml")
     assert (good.exit_code, good.stdout.splitlines()[-1]) == (0, "good.toml: nothing is wrong")
     bad = call("check", "bad.toml")

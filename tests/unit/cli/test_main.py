@@ -1,7 +1,11 @@
 """Commands from end to end, and that the help stays quick."""
 
+import re
 import subprocess
 import sys
+import threading
+import urllib.request
+from http.server import ThreadingHTTPServer
 
 import pytest
 from typer.testing import CliRunner
@@ -57,6 +61,37 @@ def test_run_that_stops_has_code_3_and_keeps_what_it_has(call, spoiled, tmp_path
     assert "runs/wild/run.zarr" in result.stderr
     assert result.stderr.count("\n") == 1
     assert (tmp_path / "runs" / "wild" / "run.zarr").is_dir()
+
+
+def test_a_report_and_a_view_of_a_run_that_is_there(call, small, tmp_path, monkeypatch):
+    """Both know the scenario beside the store; the view ends by Ctrl+C."""
+    (tmp_path / "small.toml").write_text(small)
+    assert call("run", "small.toml", "--no-report", "--quiet", "--out", "there").exit_code == 0
+    for given in ("there", "there/run.zarr"):
+        result = call("report", given)
+        assert (result.exit_code, result.output) == (0, "Report:  there/report.html\n")
+    assert "A small one" in (tmp_path / "there" / "report.html").read_text()
+    titles = []
+
+    def look_once(serving):
+        asked = threading.Thread(target=serving.handle_request)
+        asked.start()
+        with urllib.request.urlopen(f"http://127.0.0.1:{serving.server_port}/", timeout=10) as answer:
+            titles.append(re.search(r"<title>(.*)</title>", answer.read().decode()).group(1))
+        asked.join()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ThreadingHTTPServer, "serve_forever", look_once)
+    result = call("view", "there", "--no-browser")
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("there/run.zarr: http://127.0.0.1:")
+    assert titles == ["A small one"]
+
+
+@pytest.mark.parametrize("command", ["report", "view"])
+def test_nothing_to_look_at(call, command):
+    result = call(command, "nowhere")
+    assert (result.exit_code, result.stderr) == (2, "there is no run at nowhere/run.zarr\n")
 
 
 def test_help_loads_nothing_heavy():

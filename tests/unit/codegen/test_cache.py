@@ -23,6 +23,7 @@ NAMES = ("made", "made_setup", "made_width")
 @pytest.fixture
 def folder(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("CAYLEY_CACHE_DIR", str(tmp_path / "kernels"))
+    monkeypatch.setattr(kernels, "_LOADED", {})
     return tmp_path / "kernels"
 
 
@@ -146,8 +147,17 @@ def test_entries_of_kernels(folder, monkeypatch):
         compiled(**change)
         assert len(list(folder.iterdir())) == count
     monkeypatch.setattr(kernels, "sources_digest", lambda: "other sources")
+    kernels._LOADED.clear()  # the sources of a process do not change
     compiled()
     assert len(list(folder.iterdir())) == len(changes) + 2
+
+
+def test_a_process_loads_a_kernel_once(folder):
+    """Made again with other numbers, equations find what was derived and loaded."""
+    compiled()
+    shutil.rmtree(folder)
+    compiled(mass=3.0)
+    assert not folder.exists()
 
 
 @pytest.mark.parametrize("changed", ["lie/series.py", "density/trace.py", "discrete/solve.py", "codegen/operations.py"])

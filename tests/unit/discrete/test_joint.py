@@ -204,3 +204,12 @@ def test_compiles():
 def test_refuses_matrices():
     with pytest.raises(ValueError, match="joints want rotation='quaternion'"):
         joint_program("weld", Layout(library.rigid_body.fields, REPRESENTATIONS["matrix"]), grounded=False)
+
+
+def test_programs_are_derived_once_and_called_the_same_in_every_process():
+    """What names a layout in the cache of kernels has no addresses in it."""
+    assert repr(LAYOUT.representation) == "quaternion"
+    assert " at 0x" not in repr(LAYOUT)
+    first, again, other = (joint_program("ball", LAYOUT, grounded=g) for g in (True, True, False))
+    assert first is again
+    assert first is not other

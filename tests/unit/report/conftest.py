@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from cayley import Body, joints, simulate, springs
 from cayley.model import Material, Model, Rod, Section, loads, supports
+from cayley.report import write_report
 
 
 def series(time, values):
@@ -76,3 +78,43 @@ def own_run(run):
     names = ("rule", "dt", "steps", "wall_time", "accounted", "energy", "kinetic_energy", "potential_energy")
     momenta = ("linear_momentum", "angular_momentum")
     return SimpleNamespace(model=None, data=fields, **{name: getattr(run, name) for name in (*names, *momenta)})
+
+
+@pytest.fixture(scope="session")
+def crane():
+    """A run of all that a page can show: a tapered and a prismatic rod, a body on a joint, a spring, a support."""
+    rubber = Material(density=1100.0, youngs_modulus=2e6, poisson_ratio=0.4)
+    mast = Rod(lambda s: Section.circle(0.05 - 0.03 * s, rubber), length=1.0, elements=6, name="mast")
+    boom = Rod(
+        Section.rectangle(0.02, 0.06, rubber),
+        length=0.8,
+        elements=6,
+        direction=(1, 0, 0),
+        origin=(0, 0, 1),
+        name="boom",
+    )
+    ports = {"eye": (0, 0, 0.2), "hook": (0.05, 0, -0.05)}
+    weight = Body(mass=0.4, inertia=[1e-3, 2e-3, 1.5e-3], position=(0.8, 0, 0.8), ports=ports, name="weight")
+    model = Model(
+        mast,
+        boom,
+        weight,
+        supports=[supports.clamp(mast.start)],
+        joints=[joints.ball(mast.end, boom.start), joints.ball(boom.end, weight.port("eye"))],
+        springs=[springs.linear(boom.node(3), mast.node(3), stiffness=60.0, length=0.5)],
+        loads=[loads.gravity((0, 0, -9.81)), loads.force(weight.centre, (0, 1, 0), until=0.2)],
+    )
+    return simulate(model, t_end=1.0, save_every=0.02, balance=True)
+
+
+@pytest.fixture(scope="session")
+def crane_report(crane, tmp_path_factory):
+    return write_report(
+        crane,
+        tmp_path_factory.mktemp("report") / "report.html",
+        title="A <crane> & more",
+        scenario_text='[run]\nvalue = "<t>"',
+        notes=("What we found", "One < two.", "Three."),
+        times=[0.0, 0.3],
+        nodes=[0, 3, 6],
+    )

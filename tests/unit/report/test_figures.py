@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 
+import cayley as cy
 from cayley.report import figures
 from cayley.report.snapshots import nearest_frames
 
@@ -13,15 +14,10 @@ def lines(axes):
     return {line.get_label(): line.get_xydata() for line in axes.lines}
 
 
-def test_energies(run):
-    top, middle, bottom = figures.energies(run).axes
-    assert list(lines(top)) == ["$T$ kinetic", "$V$ potential", "$E$ total"]
-    np.testing.assert_array_equal(lines(top)["$E$ total"][:, 1], run.energy.values)
-    assert list(lines(middle)) == [r"$\Gamma_1$", r"$\Gamma_2$", r"$\Gamma_3$"]
-    np.testing.assert_array_equal(lines(bottom)[r"$\Pi_3$"][:, 1], run.angular_momentum.sel(axis="z").values)
-    assert [axes.get_ylabel().split("[")[1] for axes in (top, middle, bottom)] == ["J]", "kg m/s]", "kg m²/s]"]
-    assert bottom.get_xlabel() == "time [s]"
-    assert len(top.patches) == 1  # the time in which the torque acts
+def test_loads_are_shaded(run):
+    for figure, count in ((figures.energy(run), 1), (figures.momenta(run), 2)):
+        assert [len(axes.patches) for axes in figure.axes] == [1] * count  # the time in which the torque acts
+        assert figure.axes[-1].get_xlabel() == "time [s]"
 
 
 def test_resultants(run):
@@ -41,6 +37,22 @@ def test_resultants_as_impulses(run):
 def test_default_nodes():
     assert figures.default_nodes(11) == (0, 5, 11)
     assert figures.default_nodes(1) == (0, 1)
+
+
+def test_deformed():
+    """One panel without a time: the reference as lines over which the rods are drawn."""
+    material = cy.Material(density=1000.0, youngs_modulus=1e7, poisson_ratio=0.3)
+    rod = cy.Rod(cy.Section.circle(0.01, material), length=1.0, elements=4, direction=(1, 0, 0))
+    gravity = cy.loads.gravity((0, 0, -9.81))
+    rest = cy.equilibrium(cy.Model(rod, supports=[cy.supports.clamp(rod.start)], loads=[gravity]))
+    panel, bar = figures.deformed(rest).axes
+    assert panel.get_title() == ""
+    reference = lines(panel)["reference"]
+    np.testing.assert_allclose(np.diff(reference, 2, axis=0), 0.0, atol=1e-12)  # straight, of equal elements
+    assert len(reference) == 5
+    colored = [c for c in panel.collections if c.get_array() is not None]
+    assert colored[0].get_array().max() == pytest.approx(np.linalg.norm(rest[rod].moment.values[0]), rel=0.1)
+    assert bar.get_ylabel() == "moment ‖Σ‖ [N m]"
 
 
 def test_snapshots(run):
@@ -85,6 +97,6 @@ def test_long_runs_are_thinned_to_their_envelope():
 
 def test_settings_of_the_user_stay(run):
     with mpl.rc_context({"font.size": 17.0, "axes.grid": False}):
-        figures.energies(run)
+        figures.energy(run)
         assert mpl.rcParams["font.size"] == 17.0
         assert not mpl.rcParams["axes.grid"]

@@ -169,8 +169,3 @@ def test_redundant_joints_are_refused():
     held = cy.Model(BOB, supports=[supports.clamp(BOB.centre), supports.roll(EYE, AXIS)])
     with pytest.raises(ValueError, match="roller: along e3 follows from supports"):
         discretize(held, rules.verlet)
-
-
-def test_matrices_are_refused():
-    with pytest.raises(ValueError, match="joints and springs want rotation='quaternion'"):
-        discretize(cy.Model(ARM, BOB, joints=[TWO["weld"]]), rules.verlet, rotation="matrix")

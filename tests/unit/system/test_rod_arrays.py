@@ -116,12 +116,6 @@ def test_rods_beside_each_other_keep_their_own():
     np.testing.assert_allclose(system.named["c.stiffness[2,2]"][5:7], [s.stiffness[2, 2] for s in (THICK, THIN)])
 
 
-def test_rules_that_cannot_follow_say_so():
-    rod = cy.Rod.along(THIN, helix, span=(0.0, 3.0), elements=4)
-    with pytest.raises(ValueError, match=r"nodal_midpoint does not read c\.reference\[0\] at every strain point"):
-        discretize(cy.Model(rod), rules.nodal_midpoint)
-
-
 def test_values_at_places_of_an_element():
     rod = cy.Rod.along(THIN, helix, span=(0.0, 3.0), elements=4)
     system = discretize(cy.Model(rod), rules.by_name("spectral(space=3)"))

@@ -190,3 +190,40 @@ void hand_on(struct problem *p)
         for (i64 d = 0; d < p->dofs; d++) mu[d] *= p->free[n * p->dofs + d];
     }
 }
+
+/* v h of a rotation from p to q: the rotation vector of conj(p) q, the same in both their frames. */
+static void turn_between(const double *p, const double *q, double *out)
+{
+    double s = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3];
+    double x = p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2];
+    double y = p[0] * q[2] - p[2] * q[0] - p[3] * q[1] + p[1] * q[3];
+    double z = p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1];
+    double sine = __builtin_sqrt(x * x + y * y + z * z), factor = sine > 0.0 ? 2.0 * atan2(sine, s) / sine : 2.0;
+    out[0] = factor * x, out[1] = factor * y, out[2] = factor * z;
+}
+
+/* Keep v h of the step in front of those of the two before. */
+void note_motion(struct problem *p)
+{
+    i64 size = (p->nodes + 1) * p->dofs, values = (p->nodes + 1) * p->rows;
+    memmove(p->motion + size, p->motion, (size_t)(2 * size) * sizeof(double));
+    for (i64 n = 0; n < p->nodes; n++)
+        for (i64 f = 0; f < p->fields; f++) {
+            const i64 *field = p->field + 4 * f;
+            const double *from = p->control + n * p->rows + field[1], *to = from + p->stages * values;
+            double *out = p->motion + n * p->dofs + field[2];
+            if (field[0]) turn_between(from, to, out);
+            else
+                for (i64 k = 0; k < field[3]; k++) out[k] = to[k] - from[k];
+        }
+}
+
+/* The mean velocities u, w, v of three steps continued to the end of the last one, v + u'h/2 = v + w/2 - u/2.
+ *
+ * Of order 2, and blind to what changes sign from step to step, as do modes that decay fast under rules of odd degree. */
+void write_rates(struct problem *p, i64 steps, double *out)
+{
+    i64 size = (p->nodes + 1) * p->dofs;
+    for (i64 k = 0; k < p->nodes * p->dofs; k++)
+        out[k] = steps < 3 ? NAN : (p->motion[k] + 0.5 * (p->motion[size + k] - p->motion[2 * size + k])) / p->h;
+}

@@ -162,6 +162,8 @@ struct problem {
     i64 stride;
     i64 saves;
     double *frames;      /* [saves][nodes][rows + dofs] */
+    double *motion;      /* v h of the last three steps, the latest first, [3][nodes + 1][dofs]; or null */
+    double *rates;       /* v at the frames that these say, NaN before the third step, [saves][nodes][dofs] */
     double *works;       /* work and loss at the frames, [saves][2] */
     i64 *counts;         /* iterations in all, most in a step, number and node of the last step */
     double *history;     /* (relative correction, residual) of the last iterations, [history_size][2] */
@@ -230,6 +232,8 @@ void stretch(struct problem *p, double factor);
 void extrapolate(struct problem *p);
 double measure(struct problem *p, const double *x, double *turn, i64 *worst);
 void hand_on(struct problem *p);
+void note_motion(struct problem *p);
+void write_rates(struct problem *p, i64 steps, double *out);
 void trivialize(struct problem *p, const double *gradient, const double *point, double *out);
 
 /* terms.c */

@@ -244,6 +244,7 @@ static i64 step(struct problem *p, i64 number, double begin)
         struct coupling *c = &p->coupling[n];
         memcpy(c->start, c->multiplier, (size_t)(c->cells * p->stages * c->gauss * c->count) * sizeof(double));
     }
+    if (p->motion) note_motion(p);
     memcpy(p->memory, p->control, (size_t)(p->stages * values) * sizeof(double));
     memcpy(p->control, p->control + p->stages * values, (size_t)values * sizeof(double));
     p->energy[1] += p->energy[0];
@@ -279,6 +280,8 @@ i64 advance(struct problem *p, i64 *reached)
                 return REDUNDANT;
             }
         }
+        if (p->motion)
+            write_rates(p, number + (p->warm ? (i64)p->first : 0), p->rates + *reached * p->nodes * p->dofs);
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         double check = 0.0, *frame = p->frames + *reached * p->nodes * (p->rows + p->dofs);
         for (i64 n = 0; n < p->nodes; n++, frame += p->rows + p->dofs) {
