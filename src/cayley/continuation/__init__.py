@@ -9,7 +9,6 @@ from cayley.continuation.critical import Critical
 from cayley.continuation.follow import Limits, follow, leave
 from cayley.continuation.linear import Buckling, buckling
 from cayley.continuation.mode import Mode
-from cayley.continuation.parameter import Scaled
 from cayley.continuation.path import Path
 from cayley.continuation.prepare import prepared
 from cayley.continuation.track import Track
@@ -142,4 +141,4 @@ def _limits(range: tuple[float, float], points: Any, step: Any, turn: Any) -> Li
     )
 
 
-__all__ = ["Buckling", "Critical", "Mode", "Path", "Scaled", "buckling", "trace"]
+__all__ = ["Buckling", "Critical", "Mode", "Path", "buckling", "trace"]

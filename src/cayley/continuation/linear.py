@@ -30,7 +30,6 @@ REAL = 1e-6
 """Imaginary over real part of a number that counts as real."""
 SPARE = 6
 """More eigenvalues than are wanted: some belong to no motion, or to negative factors."""
-
 SMALL = 60
 """Size below which all eigenvalues are computed."""
 

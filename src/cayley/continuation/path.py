@@ -41,7 +41,7 @@ class Path:
         track: Track,
         found: Found,
         time: float,
-        onward: Callable[..., "Path"] | None = None,
+        onward: Callable[..., "Path"],
     ) -> None:
         """Hold what was found.
 
@@ -51,7 +51,7 @@ class Path:
             track: the equations.
             found: points, critical points, and why it ended.
             time: at which all that is no parameter was taken [s].
-            onward: (critical, vector, direction, options) -> the Path that branches off there.
+            onward: (critical, mode, direction, options) -> the Path that branches off there.
         """
         self.model, self.time, self._parts, self._track, self._found = model, time, dict(parts), track, found
         self._onward = onward
@@ -133,7 +133,6 @@ class Path:
             raise ValueError(f"branch: direction is {direction!r}; give 1 or -1")
         if not 0 <= mode < len(critical.vectors):
             raise ValueError(f"branch: mode is {mode!r}; this point has {len(critical.vectors)}, counted from 0")
-        assert self._onward is not None
         return self._onward(critical, mode, direction, options)
 
     def state(self, k: int = -1) -> State:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import fields, replace
 from http import HTTPStatus
@@ -25,6 +26,7 @@ from cayley.results.trajectory import Trajectory
 
 _MOST_FRAMES = 400  # in one answer: the page asks again until there are no more
 _HOST = "127.0.0.1"
+_TRIES, _MOMENT = 4, 0.25  # s; a chunk is written in less
 
 
 class Source:
@@ -40,7 +42,7 @@ class Source:
         self.store, self.model = store, model
         self._lock = threading.Lock()
         self._seen = self._signature()
-        self.run = Trajectory.open(store, model=model)
+        self.run = self._opened()
         self.stride = default_stride(self.run)
         self._scene = scene(self.run, stride=self.stride)
 
@@ -56,6 +58,15 @@ class Source:
                 except (OSError, ValueError):  # it is being written; the next question comes in a second
                     pass
             return self._scene
+
+    def _opened(self) -> Trajectory:
+        """The store, which may be in the middle of a change: then a moment later."""
+        for _ in range(_TRIES - 1):
+            try:
+                return Trajectory.open(self.store, model=self.model)
+            except ValueError:
+                time.sleep(_MOMENT)
+        return Trajectory.open(self.store, model=self.model)
 
     def _signature(self) -> tuple[tuple[int, int, int], ...]:
         """What changes when the store does."""

@@ -120,12 +120,13 @@ def open_run(path: str | Path, *, model: Model | None = None) -> Trajectory:
         known = Known.of(source, root, about, outline)
         frames = known.frames
         seen, damage = _observed(root, outline, len(frames.times), known.damage, about["model"] is not None)
-        found = _model(root, about["model"], frames.times)
-        if model is not None and (found is None or model_record(model) != about["model"]):
+        if model is None:
+            model = _model(root, about["model"], frames.times[: known.stored])
+        elif model_record(model) != about["model"]:
             raise _Foreign(f"{source}: the model given is not the one that ran; leave it out to take the one stored")
         parts = {name: slice(first, stop) for name, (first, stop) in about["parts"].items()}
         info = about["info"] | ({"damage": damage} if damage else {})
-        run = Trajectory(frames=frames, outline=outline, observed=seen, info=info, model=model or found, parts=parts)
+        run = Trajectory(frames=frames, outline=outline, observed=seen, info=info, model=model, parts=parts)
         run.path = source
         return run
 
@@ -204,20 +205,24 @@ def _get(root: Any, name: str, shape: tuple[int, ...], *, kind: type = np.float6
 
 
 def _model(root: Any, record: Mapping[str, Any] | None, times: np.ndarray) -> Model | None:
-    """The model in a store; loads and motions that were functions are tables."""
+    """The model in a store; loads and motions that were functions are tables, of the frames in arrays."""
     if record is None:
         return None
     functions: list[Sampled | None] = []
     for k, load in enumerate(record["loads"]):
         timed = isinstance(load.get("value"), Mapping) and load["kind"] not in KINDS
-        table = _get(root, f"loads/{k}/value", (len(times), 3)) if timed else None
+        table = _table(root, f"loads/{k}/value", len(times)) if timed else None
         functions.append(None if table is None else Sampled(load["value"]["function"], times, table))
     motions: dict[str, Sampled] = {}
     for name, quantity, function in recorded_functions(record):
-        array = root[f"motions/{name}/{quantity}"]
-        values = _get(root, f"motions/{name}/{quantity}", (len(times), array.shape[1]))
+        values = _table(root, f"motions/{name}/{quantity}", len(times))
         motions[f"{name}/{quantity}"] = Sampled(function, times, values, quantity)
     return model_from(record, functions, motions)
+
+
+def _table(root: Any, name: str, count: int) -> np.ndarray:
+    """Values of a function of time at the first frames; a run that has only begun has none, and no array for them."""
+    return _get(root, name, (count, *root[name].shape[1:])) if count else np.zeros((0, 3))
 
 
 class _Foreign(ValueError):

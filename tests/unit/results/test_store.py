@@ -338,3 +338,21 @@ def test_what_was_saved_before_a_failure_can_be_stored(tmp_path: Path) -> None:
     partial = caught.value.partial
     partial.save(tmp_path / "partial.zarr")
     same(Trajectory.open(tmp_path / "partial.zarr"), partial)
+
+
+def test_a_run_that_has_only_begun_opens(tmp_path: Path) -> None:
+    """Its loads that are functions of time have no table yet: with the model all is there, without it states are."""
+    model, _, two = frame_of_rods()
+    path, seen = tmp_path / "run", []
+
+    def look(fraction: float, time: float) -> None:
+        if not seen and 0.0 < fraction < 1.0:
+            alone = Trajectory.open(path)
+            with pytest.raises(ValueError, match="open the run with model="):
+                alone.energy  # noqa: B018
+            seen.append((len(alone.time), Trajectory.open(path, model=model)))
+
+    run = cy.simulate(model, t_end=0.02, dt=1e-4, save_every=1e-3, store=path, progress=look)
+    ((count, begun),) = seen
+    assert 1 < count == len(begun.time) < len(run.time)
+    np.testing.assert_array_equal(begun[two].force.values, run[two].force.values[:count])
