@@ -83,7 +83,7 @@ def _found(scenario: Scenario, wanted: ModesTable, count: int) -> tuple[Any, Any
     from cayley.statics import equilibrium
     from cayley.vibration import campbell, modes
 
-    model, rule = scenario.model(), rules.by_name(scenario.run.rule or "midpoint")
+    model, rule = scenario.model(), rules.by_name(wanted.rule or scenario.still_rule)
     if wanted.about == "reference":
         model = model.replace(loads=[])
     rest = equilibrium(model, spin=wanted.spin, rule=rule)

@@ -51,6 +51,11 @@ class Scenario:
             raise ScenarioError(self.file, ["run: is missing; allowed: a [run] table with t_end"])
         return self.tables.run
 
+    @property
+    def still_rule(self) -> str:
+        """How strain is measured along an element where nothing moves: the rule of `[run]`, or midpoint."""
+        return (self.tables.run.rule if self.tables.run else None) or "midpoint"
+
     def model(self) -> Model:
         """The model it describes."""
         return build(self.tables)
@@ -153,8 +158,9 @@ def parse(text: str, *, name: str, file: str) -> Scenario:
         raise ScenarioError(file, [f"TOML syntax: {error}"]) from None
     except ValidationError as error:
         raise ScenarioError(file, problems.of_validation(error)) from None
-    if tables.statics is None and tables.run is None:
-        raise ScenarioError(file, ["run: is missing; allowed: a [run] table with t_end, or a [statics] table"])
+    if all(table is None for table in (tables.run, tables.statics, tables.modes, tables.trace)):
+        allowed = "a [run] table with t_end, or one of [statics], [modes], [trace]"
+        raise ScenarioError(file, [f"run: is missing; allowed: {allowed}"])
     try:
         build(tables)
     except BuildError as error:

@@ -104,7 +104,7 @@ def moments(rest: Any) -> Table:
         for field in ("force", "moment"):
             size = np.linalg.norm(own[field].values, axis=-1)
             k = int(np.argmax(size))
-            row += [f"{size[k]:.6g}", f"{float(own[own[field].dims[0]][k]):.4g}"]
+            row += [f"{size[k]:.6g}", f"{float(own['s'][k]):.4g}"]
         bent = np.linalg.norm(own["curvature"].values, axis=-1).max()
         table.add_row(rest.model.name_of(rod), *row, f"{bent:.6g}")
     return table

@@ -85,7 +85,7 @@ def _followed(scenario: Scenario) -> dict[str, Any]:
         model,
         chosen[0] if len(chosen) == 1 else chosen,
         range=(wanted.range[0], wanted.range[1]),
-        rule=rules.by_name(scenario.run.rule or "midpoint"),
+        rule=rules.by_name(wanted.rule or scenario.still_rule),
         **wanted.model_dump(include={"begin", "time", "direction", "points", "step", "turn"}),
     )
     found = {"path": path}

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cayley.cli.schema_base import PORT, Table
+from cayley.cli.schema_base import PORT, Table, rule
 
 _PARAMETER = '"time", "load #K" with its number, the name of a joint or support that moves, or a list of these'
 
@@ -18,6 +18,7 @@ class TraceTable(Table):
     range: Annotated[list[float], Field(min_length=2, max_length=2)] = Field(
         [0.0, 1.0], description="two different numbers in brackets"
     )
+    rule: str | None = rule()
     begin: float | None = Field(None, description="a number in the range")
     time: float = Field(0.0, description="a number [s]")
     direction: Literal[1, -1] = Field(1, description="1 or -1")

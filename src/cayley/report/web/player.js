@@ -23,7 +23,7 @@ class Player {
     const scene = this.loaded[number] || new Scene(PAGE.scenes[number]);
     if (!this.loaded[number]) {
       this.loaded[number] = scene;
-      if (PAGE.live) await poll(scene, number);
+      if (PAGE.live) while (await more(scene, number));
       else scene.append(await unzipped(fromBase64(element(`frames${number}`).textContent)));
     }
     this.scene = scene;
