@@ -117,11 +117,12 @@ class Player {
 
   fillControls(rods) {
     const { scene } = this;
-    const fill = (id, rows) => element(id).replaceChildren(...rows.map(([value, text]) => new Option(text, value)));
-    fill(
-      "scene",
-      PAGE.scenes.map((one, k) => [k, one.name]),
-    );
+    const fill = (id, rows) => {
+      const before = element(id).value; // stays chosen if it is there
+      element(id).replaceChildren(...rows.map(([value, text]) => new Option(text, value, false, `${value}` === before)));
+    };
+    const names = PAGE.scenes.map((one, k) => [k, one.name]);
+    fill("scene", names);
     element("scene").value = this.number;
     element("scenes").hidden = PAGE.scenes.length < 2;
     const known = new Map(scene.parts.flatMap((part) => part.quantities.map((one) => [one.key, one])));
@@ -130,18 +131,13 @@ class Player {
       ...(one.axes || []).map((axis, k) => [`${one.key}/${k}`, `${one.label} ${axis}`]),
     ]);
     this.known = known;
-    const before = element("color").value;
     fill("color", [...colors, ["/", "nothing"]]);
-    if ([...colors, ["/"]].some(([value]) => value === before)) element("color").value = before;
     fill(
       "part",
       rods.map((part) => [scene.parts.indexOf(part), part.name]),
     );
-    const plotted = element("quantity").value;
-    const quantities = rods.length ? rods[0].quantities.map((one) => [one.key, one.label]) : [];
-    fill("quantity", quantities);
-    if (quantities.some(([value]) => value === plotted)) element("quantity").value = plotted;
-    this.selected = element("rods").hidden ? null : this.middle(scene.parts.indexOf(rods[0]));
+    fill("quantity", rods.length ? rods[0].quantities.map((one) => [one.key, one.label]) : []);
+    this.selected = element("rods").hidden ? null : this.middle(Number(element("part").value));
     this.fillSpeeds();
     this.recolor();
     this.span();
