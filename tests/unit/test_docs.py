@@ -3,7 +3,9 @@
 The blocks of Python of all pages run in tests/examples.
 """
 
+import ast
 import re
+import runpy
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import get_args
@@ -72,6 +74,18 @@ def test_every_page_is_in_the_site() -> None:
     patterns = re.findall(r"^[\w*/-]+$", contents, flags=re.M)
     pages = {page.stem for page in (ROOT / "docs").glob("*.md")} - {"index"}
     assert not sorted(name for name in pages if not any(fnmatch(name, pattern) for pattern in patterns))
+
+
+def test_every_example_has_a_title_for_the_gallery() -> None:
+    """What the site's build makes of it is still that script, under a heading."""
+    titled = runpy.run_path(str(ROOT / "docs" / "_ext" / "staging.py"))["titled"]
+    for path in sorted((ROOT / "examples").rglob("*.py")):
+        source = path.read_text(encoding="utf-8")
+        made = ast.parse(titled(source))
+        title, line, *_ = (ast.get_docstring(made) or "").splitlines()
+        assert 3 < len(title) < 75, f"{path.name}: the title is {title!r}"
+        assert re.fullmatch(r"=+", line)
+        assert ast.dump(ast.Module(made.body[1:], [])) == ast.dump(ast.Module(ast.parse(source).body[1:], []))
 
 
 def test_the_scenario_of_the_tutorial_runs() -> None:

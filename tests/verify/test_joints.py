@@ -311,3 +311,32 @@ def test_closed_loop(rule):
     hinged = [ties[0], joints.hinge(coupler.port("far"), rocker.port("near"), axis=out), last]
     with pytest.raises(ValueError, match=r"joints? (are|is) redundant at the start"):
         cy.simulate(model.replace(joints=hinged), t_end=0.1, dt=1e-3, rule=rule)
+
+
+@pytest.mark.parametrize("h", [1e-5, 1e-7])
+@pytest.mark.parametrize("rule", [cy.rules.midpoint, cy.rules.galerkin(time=2)], ids=str)
+def test_short_steps_are_no_redundant_joints(rule, h):
+    """h²/m is far below rounding beside the derivatives of a joint; pivots are scaled so that it does not count."""
+    spin = np.array([0.0, 150.0, -4.61538])
+    inertia, pivot = np.diag([0.234375, 0.46875, 0.234375]), (0, -1, 0)
+    top = cy.Body(mass=15.0, inertia=inertia, position=(0, 1, 0), ports={"pivot": pivot})
+    model = cy.Model(top, joints=[joints.ball(top.port("pivot"), cy.ground)], loads=[loads.gravity((0, 0, -9.81))])
+    start = {top: {"angular_velocity": spin, "velocity": np.cross(spin, (0, 1, 0))}}
+    run = cy.simulate(model, t_end=20 * h, dt=h, rule=rule, initial=start, save_every=10 * h)
+    assert np.abs(run.port(top, "pivot").position.values).max() < 1e-15
+
+
+def test_joints_of_light_nodes_are_not_redundant():
+    """A hair of 0.1 mm: nodes of 1e-16 kg m² beside derivatives of a joint of size one."""
+    hair = cy.Section.circle(1e-4, cy.Material(density=1000.0, youngs_modulus=1e9, poisson_ratio=0.3))
+    one = cy.Rod(hair, length=0.05, elements=10, direction=(1, 0, 0))
+    two = cy.Rod(hair, length=0.05, elements=10, origin=(0.05, 0, 0), direction=(1, 0, 0))
+    both = cy.Rod(hair, length=0.1, elements=20, direction=(1, 0, 0))
+    weight, options = loads.gravity((0, 0, -9.81)), {"t_end": 0.01, "dt": 1e-3, "rule": cy.rules.midpoint}
+    tied = cy.Model(
+        one, two, supports=[supports.clamp(one.start)], joints=[joints.weld(one.end, two.start)], loads=[weight]
+    )
+    whole = cy.simulate(cy.Model(both, supports=[supports.clamp(both.start)], loads=[weight]), **options)
+    run = cy.simulate(tied, **options)
+    assert np.abs(run[two].position.values - whole[both].position.values[:, 10:]).max() < 1e-9
+    assert np.isfinite(run.joint(tied.joints[0]).force.values).all()

@@ -73,6 +73,7 @@ def coupling_arrays(
             "gradient": multipliers + 2 * cells.count,
             "across": across,
             "along": along,
+            "inside": (blocks == own).astype(np.int64),
             "spot": starts[owner] + base,
             "multiplier": np.zeros(shape),
             "start": np.zeros(shape),

@@ -207,7 +207,7 @@ def make_problem(plan: Plan, state: State, steps: int, saves: int, more: Mapping
         "diagonal": plan.blocks.diagonal(),
         "matrix": aligned((plan.blocks.size,)),
         "pivots": np.zeros(unknowns, dtype=np.int64),
-        "watch": np.zeros(unknowns) if couplings else 0,
+        "watch": np.zeros((unknowns, 2)) if couplings else 0,
         "unknown": np.zeros(unknowns),
         "taken": np.zeros(unknowns),
         "mass": aligned((nodes + 1, layout.dofs, padded)),

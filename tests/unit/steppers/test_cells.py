@@ -16,7 +16,6 @@ def test_kernels_of_joints_and_springs_are_found_by_the_next_process(monkeypatch
         return compiled(program, lanes, signature)
 
     monkeypatch.setattr(cells, "compiled", noted)
-    monkeypatch.setattr(cells, "_KERNELS", {})
     body = cy.Body(mass=2.0, inertia=[0.1, 0.1, 0.1], ports={"side": (0, 0, 1.0)})
     tie, ball = springs.linear(body.centre, cy.ground.at((1, 0, 0)), stiffness=1.0), joints.ball(body.port("side"))
     system = discretize(cy.Model(body, springs=[tie], joints=[ball]), cy.rules.midpoint)

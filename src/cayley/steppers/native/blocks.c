@@ -229,44 +229,69 @@ static inline void subtract(double *y, const double *x, double factor, i64 n)
     for (i64 i = 0; i < n / LANES; i++) a[i] -= factor * b[i];
 }
 
-/* A row that is so much less than what it should be at least counts as zero. */
-static const double CANCELLED = 1e-10;
+/* A row that is so much less than what it should be at least counts as zero; a pivot, too. */
+static const double CANCELLED = 1e-10, ROUNDED = 1e-14;
 
-/* 1 over the largest entry of every row; returns 0, or 1 + a row that is zero up to rounding (watch, see struct problem). */
-static i64 row_scales(const double *a, i64 n, i64 stride, const double *watch, double *scale)
+/* Whether an unknown is a multiplier: something is expected of its row. */
+#define OF_MULTIPLIER(watch, i) ((watch)[2 * (i)] + (watch)[2 * (i) + 1] > 0.0)
+
+/* Factors of columns and rows that make the largest entry of every row one: columns of multipliers and of their nodes are
+ * brought to one size first, so that light nodes or short steps look like others. Returns 0, or 1 + a row that is zero up
+ * to rounding (watch, see struct problem). */
+static i64 scales(const double *a, i64 n, i64 stride, const double *watch, double *column, double *row)
 {
-    for (i64 i = 0; i < n; i++) {
+    for (i64 j = 0; j < n; j++) column[j] = 1.0;
+    for (i64 i = 0; i < n && watch; i++) { /* nodes: 1 over the root of their own part */
         double most = 0.0;
+        if (OF_MULTIPLIER(watch, i)) continue;
         for (i64 k = 0; k < n; k++) {
-            double size = __builtin_fabs(a[i * stride + k]);
+            double size = OF_MULTIPLIER(watch, k) ? 0.0 : __builtin_fabs(a[i * stride + k]);
             most = size > most ? size : most;
         }
-        if (!(most > (watch ? CANCELLED * watch[i] : 0.0))) return i + 1;
-        scale[i] = 1.0 / most;
+        if (most > 0.0) column[i] = 1.0 / __builtin_sqrt(most);
+    }
+    for (i64 j = 0; j < n && watch; j++) { /* multipliers: by their largest force on these */
+        double most = 0.0;
+        if (!OF_MULTIPLIER(watch, j)) continue;
+        for (i64 i = 0; i < n; i++) {
+            double size = OF_MULTIPLIER(watch, i) ? 0.0 : __builtin_fabs(a[i * stride + j]) * column[i];
+            most = size > most ? size : most;
+        }
+        column[j] = 1.0 / (most > 0.0 ? most : __builtin_sqrt(watch[2 * j]));
+    }
+    for (i64 i = 0; i < n; i++) {
+        double most = 0.0, plain = 0.0;
+        for (i64 k = 0; k < n; k++) {
+            double size = __builtin_fabs(a[i * stride + k]), scaled = size * column[k];
+            plain = size > plain ? size : plain;
+            most = scaled > most ? scaled : most;
+        }
+        if (!(plain > (watch ? CANCELLED * watch[2 * i] : 0.0))) return i + 1;
+        row[i] = 1.0 / most;
     }
     return 0;
 }
 
 /* Row of the pivot of a column: where its entry is largest relative to the row it stands in; -1 where there is none. */
-static inline i64 find_pivot(const double *a, i64 n, i64 stride, const double *scale, i64 c)
+static inline i64 find_pivot(const double *a, i64 n, i64 stride, const double *column, const double *row, i64 c)
 {
     i64 best = c;
     double most = -1.0;
     for (i64 i = c; i < n; i++) {
-        double size = __builtin_fabs(a[i * stride + c]) * scale[i];
+        double size = __builtin_fabs(a[i * stride + c]) * row[i];
         if (size > most) most = size, best = i;
     }
-    return most > 1e-14 ? best : -1;
+    return most * column[c] > ROUNDED ? best : -1;
 }
 
 /* LU in place, rows of ``stride`` doubles (whole vectors), pivots by find_pivot. Returns 0, or 1 + the column that has none. */
 i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots, const double *watch)
 {
-    double scale[n];
-    i64 zero = row_scales(a, n, stride, watch, scale);
+    double column[n], row[n];
+    i64 zero = scales(a, n, stride, watch, column, row);
     if (zero) return zero;
     for (i64 c = 0; c < n; c++) {
-        i64 best = pivots[c] = find_pivot(a, n, stride, scale, c);
+        i64 best = pivots[c] = find_pivot(a, n, stride, column, row, c);
         if (best < 0) return c + 1;
         if (best != c) {
             vec *x = (vec *)(a + c * stride), *y = (vec *)(a + best * stride);
@@ -274,7 +299,7 @@ i64 factorize_dense(double *a, i64 n, i64 stride, i64 *pivots, const double *wat
                 vec t = x[k];
                 x[k] = y[k], y[k] = t;
             }
-            scale[best] = scale[c];
+            row[best] = row[c];
         }
         double inverse = 1.0 / a[c * stride + c];
         i64 from = (c + 1) / LANES * LANES; /* columns before c + 1 of its vector are kept below */
@@ -341,14 +366,14 @@ void solve_dense(const double *a, i64 n, i64 stride, const i64 *pivots, double *
 /* Inverse in place by Gauss-Jordan elimination with the pivots of find_pivot. */
 static inline i64 invert(double *a, i64 n, i64 stride, const double *watch)
 {
-    double scale[SMALL];
-    i64 swapped[SMALL], zero = row_scales(a, n, stride, watch, scale);
+    double column[SMALL], row[SMALL];
+    i64 swapped[SMALL], zero = scales(a, n, stride, watch, column, row);
     if (zero) return zero;
     for (i64 c = 0; c < n; c++) {
-        i64 best = swapped[c] = find_pivot(a, n, stride, scale, c);
+        i64 best = swapped[c] = find_pivot(a, n, stride, column, row, c);
         if (best < 0) return c + 1;
         vec *own = (vec *)(a + c * stride), *other = (vec *)(a + best * stride);
-        scale[best] = scale[c];
+        row[best] = row[c];
         double inverse = 1.0 / a[best * stride + c];
         for (i64 k = 0; k < stride / LANES; k++) {
             vec t = own[k];
@@ -468,7 +493,7 @@ static i64 factorize_counting(i64 fronts, double *matrix, i64 *pivots, const dou
     for (i64 k = 0; k < f->count; k++) {
         const struct front *t = &f->front[k];
         double *pivot = matrix + t->pivot, *right = matrix + t->right, *below = matrix + t->below;
-        const double *own = watch ? watch + t->unknown : 0;
+        const double *own = watch ? watch + 2 * t->unknown : 0;
         if (negative) *negative += count_negative(pivot, t->size, t->pad);
         i64 failed = t->size > SMALL  ? factorize_dense(pivot, t->size, t->pad, pivots + t->pivots, own)
                      : SMALL_SIX(t->size) ? invert(pivot, 6, SIX, own)

@@ -192,7 +192,7 @@ static void add_coupling(struct problem *p, struct coupling *c, i64 number, doub
 static void expect(struct problem *p)
 {
     i64 dofs = DOFS;
-    for (i64 u = 0; u < p->unknowns; u++) p->watch[u] = 0.0;
+    for (i64 u = 0; u < 2 * p->unknowns; u++) p->watch[u] = 0.0;
     for (i64 n = 0; n < p->couplings; n++) {
         const struct coupling *c = &p->coupling[n];
         i64 together = c->gauss * c->count;
@@ -205,7 +205,8 @@ static void expect(struct problem *p)
                     for (i64 d = 0; d < dofs; d++) {
                         double product = p->matrix[across[0] + d * across[1] + at] * p->matrix[along[0] + at * along[1] + d];
                         double diagonal = p->matrix[p->diagonal[place + d]];
-                        if (product != 0.0) p->watch[c->spot[cell] + at] += __builtin_fabs(product / diagonal);
+                        double *own = p->watch + 2 * (c->spot[cell] + at) + c->inside[cell * c->width + a];
+                        if (product != 0.0) *own += __builtin_fabs(product / diagonal);
                     }
             }
     }

@@ -98,6 +98,7 @@ struct coupling {
     i64 *places;         /* pairs of nodes, [cells][width][width][2] */
     i64 *across;         /* rows of a node, columns of the multipliers, [cells][width][2] */
     i64 *along;          /* rows of the constraints, columns of a node, [cells][width][2] */
+    i64 *inside;         /* whether a node is eliminated with the multipliers, [cells][width] */
     i64 *spot;           /* first unknown of a cell's multipliers, [cells] */
     double *multiplier;  /* [cells][r][gauss * count] */
     double *start;       /* their values at the start of a try */
@@ -143,7 +144,8 @@ struct problem {
     double *matrix;
     i64 matrix_size;
     i64 *pivots;
-    double *watch;       /* what rows of multipliers are at least, G D^-1 G' with the diagonal D; 0 for others; or null */
+    double *watch;       /* what rows of multipliers are at least, G D^-1 G' with the diagonal D of nodes eliminated before,
+                            and with them; 0 for others, [unknowns][2]; or null */
     double *unknown;     /* right-hand side, then correction */
     double *taken;       /* the last accepted correction */
     double *mass;        /* mass matrices, [nodes + 1][dofs][dofs padded to whole vectors] */
