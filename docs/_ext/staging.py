@@ -15,6 +15,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "catenary",
         "curling_strip",
         "locking",
+        "thick_beam",
         "roll_up",
         "unrolling",
         "bend_45",
