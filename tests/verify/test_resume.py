@@ -239,3 +239,53 @@ def test_runs_are_logged(caplog):
     assert "100 steps of 0.0001 s" in first.message
     assert (first.rule, first.nodes) == ("midpoint", 7)
     assert last.message.startswith("finished after")
+
+
+@pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.midpoint], ids=str)
+def test_only_some_parts_are_saved(rule, tmp_path, monkeypatch):
+    monkeypatch.setattr(append, "CHUNK_BYTES", 3_000)
+    own = model(jointed=True)
+    rod, other = own.parts
+    options = {"rule": rule, "dt": 1e-4, "save_every": 1e-3, "allow_unstable": True}
+    whole = cy.simulate(own, t_end=0.1, **options)
+    path = tmp_path / "some.zarr"
+    some = cy.simulate(own, t_end=0.05, store=path, save_only=[other, rod.node(2), rod.end], **options)
+    for longer in (some, some.resume(0.1)):
+        count = len(longer.time)
+        for name in ("position", "velocity", "moment"):
+            assert np.array_equal(longer[other][name], whole[other][name][:count])
+        assert np.array_equal(longer.port(rod.node(2)).position, whole.port(rod.node(2)).position[:count])
+        assert np.array_equal(longer.energy, whole.energy[:count])
+        assert np.array_equal(longer.joint(own.joints[0]).force, whole.joint(own.joints[0]).force[:count])
+    assert count == 101
+    size = sum(file.stat().st_size for file in (path / "fields").rglob("*") if file.is_file())
+    assert size > 0
+    with pytest.raises(KeyError, match="the run has no part 'rod'; it has other"):
+        longer["rod"]
+    with pytest.raises(KeyError, match="were not saved"):
+        longer.port(rod.node(3))
+    with pytest.raises(ValueError, match="momenta are sums over all nodes"):
+        _ = longer.linear_momentum
+
+
+def test_some_parts_of_a_killed_run_go_on(tmp_path, monkeypatch):
+    monkeypatch.setattr(append, "CHUNK_BYTES", 3_000)
+    own = model(jointed=True)
+    options = {"rule": cy.rules.midpoint, "dt": 1e-4, "t_end": 0.3, "save_every": 1e-3}
+    whole = cy.simulate(own, **options)
+    for seconds in (0.0, 0.1):
+        path = tmp_path / f"{seconds}.zarr"
+        killed(own, options | {"save_only": ["other"]}, path, seconds)
+        opened = cy.Trajectory.open(path, model=own)
+        assert np.array_equal(opened["other"].position, whole["other"].position[: len(opened.time)])
+        if len(opened.time) < len(whole.time):
+            opened = cy.resume(path, model=own)
+        assert np.array_equal(opened["other"].position, whole["other"].position)
+
+
+def test_what_can_not_be_saved_alone_is_refused():
+    own = model()
+    with pytest.raises(ValueError, match="save_only wants a store"):
+        cy.simulate(own, t_end=0.01, save_only=["rod"])
+    with pytest.raises(ValueError, match=r"save_only has 'mast'; give parts of the model \(rod\)"):
+        cy.simulate(own, t_end=0.01, save_only=["mast"], store="never.zarr")

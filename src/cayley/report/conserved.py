@@ -60,7 +60,7 @@ def conservation(run: Any) -> list[Row]:
     """
     window = load_free(run)
     rows = _energy_rows(run, window) + _balance_rows(run)
-    rows += _momentum_rows(run, window)
+    rows += _momentum_rows(run, window) if run.only is None else []
     defect = quaternion_defect(run)
     if defect is not None:
         rows.append(Row("quaternion length, largest error", f"{defect:.1e}", "", "all frames"))

@@ -49,6 +49,8 @@ def write_report(
 
     Returns: the path.
     """
+    if run.only is not None:
+        raise ValueError("a report shows all parts, and this run saved some only (save_only); use run[part], run.plot")
     below = "\n".join([*_measured(run, times, nodes), *standing(run, scenario_text=scenario_text, notes=notes)])
     text = page([scene(run)], title=title or "A run", lead=lead(run), below=below)
     return written(path, text)

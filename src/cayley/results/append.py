@@ -1,7 +1,7 @@
 """Frames of a run as arrays of a Zarr group, written at once or one behind the other (see results.store)."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +31,17 @@ _UNITS = {  # of a rod; what the fields of a Lagrangian of one's own mean, its a
 
 
 def about_run(
-    outline: Outline, parts: Mapping[str, slice], model: Model | None, h: float, origin: float
+    outline: Outline,
+    parts: Mapping[str, slice],
+    model: Model | None,
+    h: float,
+    origin: float,
+    only: Sequence[int] | None = None,
 ) -> dict[str, Any]:
-    """Attributes of a store, without "info"."""
+    """Attributes of a store, without "info"; only: the nodes it has, if not all."""
     layout = outline.layout
-    return {
+    some = {} if only is None else {"only": [int(node) for node in only], "size": len(outline.nodes)}
+    return some | {
         "format": FORMAT,
         "version": VERSION,
         "cayley": __version__,

@@ -131,7 +131,8 @@ def port_of(run: Any, part: Any, name: str | None) -> tuple[Port, str]:
 
 def node_of(run: Any, port: Port) -> int:
     """The node of a port among all nodes."""
-    return int(run._parts[run.model.name_of(port.part)].start) + port.node * by_name(run.rule).degree
+    first = int(run.spans[run.model.name_of(port.part)].start)
+    return int(run.index_of(first + port.node * by_name(run.rule).degree))
 
 
 def motion(run: Any, node: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

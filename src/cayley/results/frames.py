@@ -1,6 +1,7 @@
 """Saved states of a run."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,22 @@ class Frames:
             memory=self.memory if k in (-1, len(self.times) - 1) else None,
             work=None if self.work is None else self.work[k].copy(),
         )
+
+    def at_nodes(self, nodes: np.ndarray) -> "Frames":
+        """The same frames of some nodes."""
+        rates = None if self.rates is None else self.rates[:, nodes]
+        return replace(self, values=self.values[:, nodes], momenta=self.momenta[:, nodes], memory=None, rates=rates)
+
+    def then(self, later: "Frames") -> "Frames":
+        """These frames, and those behind them."""
+        if not len(self.times):
+            return later
+        names = ("times", "steps", "values", "momenta", "work", "rates")
+        both = {name: (getattr(self, name), getattr(later, name)) for name in names}
+        joined: dict[str, Any] = {
+            name: np.concatenate(pair) if pair[0] is not None else None for name, pair in both.items()
+        }
+        return replace(self, memory=later.memory, **joined)
 
     def part(self, which: slice) -> "Frames":
         """Some of the frames, without what is remembered."""

@@ -12,6 +12,7 @@ from cayley.discrete.rules import by_name
 from cayley.results import journal
 from cayley.results.frames import Frames
 from cayley.results.outline import Outline
+from cayley.system.system import State
 
 
 class DamageWarning(UserWarning):
@@ -27,12 +28,14 @@ class Known:
         stored: how many of them stand in arrays; others in the journal.
         memories: numbers of frames from which a run of an implicit rule goes on bit for bit, with their memory.
         damage: what is lost, in one line; or nothing.
+        late: of a store with frames of some nodes, those of the journal with all nodes.
     """
 
     frames: Frames
     stored: int
     memories: Mapping[int, np.ndarray]
     damage: str
+    late: Frames | None = None
 
     @classmethod
     def of(cls, source: Path, root: Any, about: Mapping[str, Any], outline: Outline) -> "Known":
@@ -64,19 +67,51 @@ class Known:
         for name in layout.fields if wanted else ():
             frames.values[..., layout.rows_of(name)] = read[f"fields/{name}/value"][:count]
             frames.momenta[..., layout.dofs_of(name)] = read[f"fields/{name}/momentum"][:count]
-        memories = _memories(root, frames.steps)
+        memories, late, only = _memories(root, frames.steps), None, about.get("only")
         if count == wanted:
             # of implicit rules one pair of work and loss, and rates behind it
             pairs = 1 if by_name(outline.rule).implicit else None
-            frames, latest = _with_journal(frames, source, (nodes, layout.rows), (nodes, layout.dofs), pairs)
+            size = int(about.get("size", nodes))
+            late, latest = _of_journal(frames, source, (size, layout.rows), (size, layout.dofs), pairs)
             memories |= latest
+            if late is not None:
+                frames = frames.then(late if only is None else late.at_nodes(np.asarray(only)))
         if not len(frames.times):
             raise ValueError("it has no frame")
         last = len(frames.times) - 1
         frames = _remembering(frames, memories.get(last))
         if damage:
             warnings.warn(f"{source} is damaged: {damage}; the whole ones were opened", DamageWarning, stacklevel=4)
-        return cls(frames, count, memories, damage)
+        return cls(frames, count, memories, damage, None if only is None else late)
+
+
+def whole_state(path: Path, about: Mapping[str, Any], outline: Outline) -> tuple[State, int]:
+    """The last state of all nodes in a store that has frames of some, and the number of frames up to it.
+
+    Without a full chunk of frames it is the start, of which no frame is counted.
+
+    Raises:
+        ValueError: if there is none.
+    """
+    import zarr
+
+    root: Any = zarr.open_group(path, mode="r", use_consolidated=False)
+    size, count, layout = int(about["size"]), committed(root), outline.layout
+    origin, h = float(about["origin"]), float(about["dt"])
+    if count:
+        group, step = root["checkpoint"], int(root["step"][count - 1])
+        k = int(np.flatnonzero(np.asarray(group["step"][...]) == step)[-1])
+        more = {name: np.asarray(group[name][k]) for name in ("memory", "work") if name in group}
+        values, momenta = (np.asarray(group[name][k]).reshape(size, -1) for name in ("values", "momenta"))
+        work = more["work"].reshape(-1, 2) if "work" in more else None
+        found = {"memory": more.get("memory"), "work": work}
+        return State(values=values, momenta=momenta, origin=origin, step=step, h=h, **found), count
+    for entry in journal.read(path):
+        numbers, edge = entry.numbers, size * layout.rows
+        values = numbers[:edge].reshape(size, -1)
+        momenta = numbers[edge : edge + size * layout.dofs].reshape(size, -1)
+        return State(values=values.copy(), momenta=momenta.copy(), origin=origin, step=entry.step, h=h), 0
+    raise ValueError(f"{path} has no state to go on from")
 
 
 def committed(root: Any) -> int:
@@ -123,10 +158,10 @@ def _memories(root: Any, steps: np.ndarray) -> dict[int, np.ndarray]:
     return found
 
 
-def _with_journal(
+def _of_journal(
     frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int], pairs: int | None
-) -> tuple[Frames, dict[int, np.ndarray]]:
-    """Frames with those of the journal behind them, and what is remembered at some of these."""
+) -> tuple[Frames | None, dict[int, np.ndarray]]:
+    """Frames of the journal behind others, of all nodes, and what is remembered at some, numbered after those."""
     first, memories, more = len(frames.times), {}, []
     last = int(frames.steps[-1]) if first else -1
     for entry in journal.read(folder):
@@ -136,26 +171,21 @@ def _with_journal(
         elif entry.tag == journal.MEMORY and entry.step == last:
             memories[first + len(more) - 1] = entry.numbers.copy()
     if not more:
-        return frames, memories
+        return None, memories
     split = values[0] * values[1], values[0] * values[1] + momenta[0] * momenta[1]
     pieces = [np.split(entry.numbers, split) for entry in more]
-    steps = np.concatenate([frames.steps, np.array([entry.step for entry in more], dtype=np.int64)])
+    steps = np.array([entry.step for entry in more], dtype=np.int64)
     end = pieces[0][2].size if pairs is None else 2 * pairs
-    work = [piece[2][:end].reshape(-1, 2) for piece in pieces]
-    rates = [piece[2][end:] for piece in pieces]
-    has_work = frames.work is not None or (not first and work[0].size > 0)
-    before = np.zeros((0, *work[0].shape)) if frames.work is None else frames.work
-    has_rates = frames.rates is not None or (not first and rates[0].size > 0)
-    known = np.zeros((0, *momenta)) if frames.rates is None else frames.rates
+    work, rates = [piece[2][:end] for piece in pieces], [piece[2][end:] for piece in pieces]
     return Frames(
         times=frames.origin + steps * frames.h,
         steps=steps,
-        values=np.concatenate([frames.values, [piece[0].reshape(values) for piece in pieces]]),
-        momenta=np.concatenate([frames.momenta, [piece[1].reshape(momenta) for piece in pieces]]),
+        values=np.array([piece[0].reshape(values) for piece in pieces]),
+        momenta=np.array([piece[1].reshape(momenta) for piece in pieces]),
         origin=frames.origin,
         h=frames.h,
-        work=np.concatenate([before, work]) if has_work else None,
-        rates=np.concatenate([known, np.reshape(rates, (-1, *momenta))]) if has_rates else None,
+        work=np.array(work).reshape(len(more), -1, 2) if work[0].size else None,
+        rates=np.reshape(rates, (-1, *momenta)) if rates[0].size else None,
     ), memories
 
 

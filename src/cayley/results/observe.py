@@ -1,7 +1,7 @@
 """What saved frames say: velocities, energies, momenta and stress resultants, by the compiled kernel of the density."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -45,6 +45,19 @@ class Observations:
     reactions: np.ndarray | None = None
     held: np.ndarray | None = None
     supports: np.ndarray | None = None
+
+    def at_nodes(self, nodes: np.ndarray) -> "Observations":
+        """The same of some nodes; energies, forces of joints and supports are of all."""
+        found = {name: getattr(self, name)[:, nodes] for name in ("velocity", "resultants", "slopes")}
+        return replace(self, **found)
+
+    def then(self, later: "Observations") -> "Observations":
+        """These, and those of frames behind them."""
+        found = {}
+        for one in fields(self):
+            first, second = getattr(self, one.name), getattr(later, one.name)
+            found[one.name] = first if first is None or one.name == "held" else np.concatenate([first, second])
+        return replace(self, **found)
 
 
 def observe(system: System, frames: Frames) -> Observations:

@@ -1,6 +1,7 @@
 """What results need to know of a system besides its states: fields, rows, nodes and the name of the rule."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +24,10 @@ class Outline:
     rule: str
     interval: str | None
     nodes: np.ndarray
+
+    def at_nodes(self, nodes: Sequence[int] | np.ndarray | None) -> "Outline":
+        """That of some nodes; of all if None."""
+        return self if nodes is None else replace(self, nodes=self.nodes[np.asarray(nodes)])
 
     @classmethod
     def of(cls, system: System) -> "Outline":

@@ -74,6 +74,8 @@ def save(trajectory: Trajectory, path: str | Path, *, overwrite: bool = False) -
     Raises:
         FileExistsError: if something is there; with overwrite, something that is no run.
     """
+    if trajectory.only is not None:
+        raise ValueError("the run saved some nodes only (save_only), and is in its store already; copy that")
     target = Path(path)
     if target.exists():
         check_replaceable(target, overwrite=overwrite)
@@ -120,14 +122,20 @@ def open_run(path: str | Path, *, model: Model | None = None) -> Trajectory:
         outline = outline_of(root, about)
         known = Known.of(source, root, about, outline)
         frames = known.frames
-        seen, damage = _observed(root, outline, len(frames.times), known.damage, about["model"] is not None)
+        count = len(frames.times) if known.late is None else known.stored  # those behind are observed when asked for
+        seen, damage = (
+            _observed(root, outline, count, known.damage, about["model"] is not None) if count else (None, "")
+        )
         if model is None:
             model = _model(root, about["model"], frames.times[: known.stored])
         elif model_record(model) != about["model"]:
             raise _Foreign(f"{source}: the model given is not the one that ran; leave it out to take the one stored")
         parts = {name: slice(first, stop) for name, (first, stop) in about["parts"].items()}
         info = about["info"] | ({"damage": damage} if damage else {})
-        run = Trajectory(frames=frames, outline=outline, observed=seen, info=info, model=model, parts=parts)
+        only = None if about.get("only") is None else np.array(about["only"])
+        told: dict[str, Any] = {"model": model, "parts": parts, "only": only}
+        run = Trajectory(frames=frames, outline=outline, observed=None if known.late else seen, info=info, **told)
+        run.seen, run.late = seen, known.late
         run.path = source
         return run
 
@@ -146,7 +154,7 @@ def _write(run: Trajectory, path: Path) -> None:
     """Write a whole store."""
     import zarr
 
-    about = about_run(run.outline, run._parts, run.model, run.frames.h, run.frames.origin) | {"info": plain(run.info)}
+    about = about_run(run.outline, run.spans, run.model, run.frames.h, run.frames.origin) | {"info": plain(run.info)}
     root = zarr.create_group(path, zarr_format=3, attributes=about)
     put(root, {"nodes": ("m", run.outline.nodes)}, ("node",))
     append_frames(root, run.outline, run.frames, run.model)

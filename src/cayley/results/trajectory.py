@@ -46,6 +46,7 @@ class Trajectory:
         observed: Observations | None = None,
         model: Model | None = None,
         parts: Mapping[str, slice] | None = None,
+        only: np.ndarray | None = None,
     ) -> None:
         """Hold the frames of a run.
 
@@ -56,14 +57,18 @@ class Trajectory:
             outline: its outline, and
             observed: what was observed of it; without it, that is observed when first asked for.
             model: the model it came from, if any.
-            parts: nodes of each part by name.
+            parts: nodes of each part by name, among all nodes of the system.
+            only: nodes that frames have, in rising order; all without it.
         """
         if system is None and outline is None:
             raise TypeError("Trajectory: give the system, or its outline")
         self.frames, self.model = frames, model
         self.path: Path | None = None
+        self.seen: Observations | None = None  # of the frames in arrays,
+        self.late: Frames | None = None  # and those of the journal with all nodes: where only some are saved
         self.info = dict(info)
-        self._parts = dict(parts or {})
+        self.only, self.spans = only, dict(parts or {})
+        self._parts = self.spans if only is None else _saved(self.spans, only)
         for name, given in (("system", system), ("outline", outline), ("observed", observed)):
             if given is not None:
                 self.__dict__[name] = given  # where the cached property of that name would put it
@@ -247,7 +252,12 @@ class Trajectory:
     @functools.cached_property
     def observed(self) -> Observations:
         """Velocities, energies and forces of all frames."""
-        return observe(self.system, self.frames)
+        if self.only is None:
+            return observe(self.system, self.frames)
+        if self.late is None:
+            raise ValueError("what was observed of this run is lost, and it saved some nodes only (save_only)")
+        found = observe(self.system, self.late).at_nodes(self.only)
+        return found if self.seen is None else self.seen.then(found)
 
     @property
     def kinetic_energy(self) -> "xr.DataArray":
@@ -301,12 +311,14 @@ class Trajectory:
     @property
     def linear_momentum(self) -> "xr.DataArray":
         """Linear momentum, Σ μ_x [kg m/s], dims (time, axis)."""
+        self._want_all()
         total = sum((self._momenta(name).sum(axis=1) for name in self._vectors()), start=np.zeros((len(self.time), 3)))
         return self._series(total, "linear momentum", "kg m/s")
 
     @property
     def angular_momentum(self) -> "xr.DataArray":
         """Angular momentum about the origin, Σ x × μ_x + Λ(p) μ_p [kg m²/s], dims (time, axis)."""
+        self._want_all()
         total = np.zeros((len(self.time), 3))
         for name in self._vectors():
             total += np.cross(self._values(name), self._momenta(name)).sum(axis=1)
@@ -395,6 +407,19 @@ class Trajectory:
             )
         return cayley.resume(self.path, t_end, **({"model": self.model} | options))
 
+    def index_of(self, node: int) -> int:
+        """Where a node of the system stands in the frames.
+
+        Raises:
+            KeyError: its frames were not saved.
+        """
+        if self.only is None:
+            return node
+        found = int(np.searchsorted(self.only, node))
+        if found == len(self.only) or self.only[found] != node:
+            raise KeyError("the frames of that place were not saved (save_only)")
+        return found
+
     def _account(self, column: int) -> np.ndarray:
         """Work (0) or loss (1) since the first frame, shape (m,)."""
         if self.frames.work is None:
@@ -415,6 +440,10 @@ class Trajectory:
         attributes = {"long_name": long_name, "units": units}
         return Series(values, coordinates, dims, name=long_name.replace(" ", "_"), attrs=attributes)
 
+    def _want_all(self) -> None:
+        if self.only is not None:
+            raise ValueError("momenta are sums over all nodes, and this run saved some of them only (save_only)")
+
     def _part(self, name: str) -> Any:
         return dict(zip(self.model.names, self.model.parts, strict=True)).get(name) if self.model else None
 
@@ -433,6 +462,16 @@ class Trajectory:
 
     def _squeeze(self, values: np.ndarray) -> np.ndarray:
         return values[:, 0] if self.outline.interval is None else values
+
+
+def _saved(parts: Mapping[str, slice], only: np.ndarray) -> dict[str, slice]:
+    """Nodes of the parts all of whose nodes were saved, among those that were."""
+    found = {}
+    for name, nodes in parts.items():
+        first = int(np.searchsorted(only, nodes.start))
+        if np.array_equal(only[first : first + nodes.stop - nodes.start], np.arange(nodes.start, nodes.stop)):
+            found[name] = slice(first, first + nodes.stop - nodes.start)
+    return found
 
 
 __all__ = ["AXES", "Trajectory"]

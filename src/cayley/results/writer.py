@@ -37,19 +37,31 @@ class Writer:
     chunk: the attribute "frames" of the group "checkpoint" is written last, and then the journal of the chunk goes.
     """
 
-    def __init__(self, path: Path, outline: Outline, model: Model | None, h: float, origin: float) -> None:
+    def __init__(
+        self,
+        path: Path,
+        system: System,
+        model: Model | None,
+        h: float,
+        origin: float,
+        *,
+        only: Sequence[int] | None = None,
+    ) -> None:
         """Begin to write behind the frames that the arrays of a store have.
 
         Args:
             path: the store; it is there (see begin_store).
-            outline: of the system.
+            system: the system.
             model: the model, if there is one.
             h: time step [s].
             origin: time of step 0 [s].
+            only: nodes whose frames are kept, and observed at once; all without it.
         """
         import zarr
 
+        outline = Outline.of(system)
         self.path, self.outline, self.model, self.h, self.origin = path, outline, model, h, origin
+        self.system, self.only = system, None if only is None else np.asarray(only)
         self.root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
         self.done = committed(self.root)
         rows = [outline.layout.rows_of(name) for name in outline.layout.fields]
@@ -152,14 +164,22 @@ class Writer:
             work=np.concatenate(works) if works else None,
             rates=np.concatenate(rates) if rates else None,
         )
-        append_frames(self.root, self.outline, frames, self.model, self.done)
-        group = self.root["checkpoint"]
-        if memory is not None:
+        known = frames if self.only is None else frames.at_nodes(self.only)
+        append_frames(self.root, self.outline.at_nodes(self.only), known, self.model, self.done)
+        if self.only is not None:
+            seen = observe(self.system, frames).at_nodes(self.only)
+            append_observed(self.root, self.outline.at_nodes(self.only), seen, self.done)
+        group, found = self.root["checkpoint"], {} if memory is None else {"memory": memory}
+        if self.only is not None:  # frames do not have all that it takes to go on
+            found |= {"values": values[-1], "momenta": momenta[-1]}
+            found |= {} if frames.work is None else {"work": frames.work[-1]}
+        if found:
             start = group["step"].shape[0] if "step" in group else 0
-            put(group, {"memory": (None, memory.reshape(1, -1))}, ("checkpoint", "row"), start=start)
+            for name, numbers in found.items():
+                put(group, {name: (None, numbers.reshape(1, -1))}, ("checkpoint", f"{name}_row"), start=start)
             put(group, {"step": ("1", steps[-1:])}, ("checkpoint",), start=start)
         self.done += len(steps)
-        group.attrs["frames"] = self.done
+        group.attrs.update({"frames": self.done} | ({} if self.only is None else {"observed": self.done}))
 
 
 def begin_store(

@@ -20,7 +20,7 @@ from cayley.simulation.failure import Interrupted, SimulationError
 from cayley.simulation.restart import resume
 from cayley.simulation.run import run as _run
 from cayley.simulation.run import span_of
-from cayley.simulation.saves import Saves
+from cayley.simulation.saves import Saves, nodes_of
 from cayley.simulation.start import start_of_model, start_of_system
 from cayley.system.discretize import spans
 from cayley.system.system import State, System
@@ -43,6 +43,7 @@ def simulate(
     save_at: Sequence[float] | None = None,
     store: str | Path | None = None,
     overwrite: bool = False,
+    save_only: Sequence[Any] | None = None,
     start: Any = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
@@ -67,6 +68,8 @@ def simulate(
         store: a Zarr store, a directory, to be written while the run goes on; it stays whole when the run is killed,
             and cy.resume goes on with it. Frames stay in memory without it.
         overwrite: replace a run that is at store.
+        save_only: parts, names or ports (rod.node(3)): with a store, frames have these alone, and energies of all;
+            forces of joints and supports want their places; the store keeps what resume needs.
         start: an Equilibrium, the last frame of a Trajectory, or a State to begin from, at its time, instead of the
             reference at time 0; of the same parts, elements and degree in space. Loads may be others.
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
@@ -103,7 +106,8 @@ def simulate(
         system, state = begin(rule)
         parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
         options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress, "watch": watch}
-        again = replace(saves, overwrite=saves.overwrite or attempt > 0)
+        only = None if save_only is None else nodes_of(save_only, model, rule.degree)
+        again = replace(saves, overwrite=saves.overwrite or attempt > 0, only=only)
         return _run(system, state, t_end, dt, again, **options, model=model, parts=parts)
 
     if accuracy is None:

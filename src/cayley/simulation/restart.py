@@ -7,6 +7,8 @@ from typing import Any
 
 from cayley.choice.pilot import stepper_of
 from cayley.model import Model
+from cayley.results.append import attributes
+from cayley.results.known import whole_state
 from cayley.results.store import known_of
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import rewind
@@ -51,11 +53,18 @@ def resume(
     if before.time[-1] >= until * (1.0 - 1e-12) and "damage" not in info:
         raise ValueError(f"{source} has a run up to t = {before.time[-1]:g} s; give a later t_end (cayley: --until)")
     compiled = before.system if system is None else system
-    known = known_of(source)
-    remembers = stepper_of(compiled) is not decoupled_run
-    last = max(known.memories, default=0) if remembers else len(known.frames.times) - 1
-    state = replace(known.frames.state(last), memory=known.memories.get(last))
-    rewind(source, known.frames, before.outline, before.model, last + 1)
-    saves = Saves(every=info.get("save_every"), steps=info.get("save_steps"), at=info.get("save_at"), store=source)
-    options: dict[str, Any] = {"model": before.model, "parts": before._parts, "progress": progress, "watch": watch}
+    only = before.only
+    if only is None:
+        known = known_of(source)
+        remembers = stepper_of(compiled) is not decoupled_run
+        last = max(known.memories, default=0) if remembers else len(known.frames.times) - 1
+        state, frames, count = known.frames.state(last), known.frames, last + 1
+        state = replace(state, memory=known.memories.get(last))
+    else:
+        state, count = whole_state(source, attributes(source), before.outline)
+        frames = before.frames
+    rewind(source, frames, before.outline, before.model, count)
+    when: dict[str, Any] = {name: info.get(f"save_{name}") for name in ("every", "steps", "at")}
+    saves = Saves(**when, store=source, only=None if only is None else tuple(only.tolist()))
+    options: dict[str, Any] = {"model": before.model, "parts": before.spans, "progress": progress, "watch": watch}
     return run(compiled, state, until, None, saves, **options, resumed=True)

@@ -73,10 +73,12 @@ def run(
     if saves.store is not None:
         outline = Outline.of(system)
         if not resumed:
-            about = about_run(outline, parts or {}, model, begin.h, begin.origin)
-            begin_store(saves.store, outline, about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite)
-        store = Writer(saves.store, outline, model, begin.h, begin.origin)
-    record = Record(begin, store, known=resumed)
+            about = about_run(outline, parts or {}, model, begin.h, begin.origin, saves.only)
+            begin_store(
+                saves.store, outline.at_nodes(saves.only), about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite
+            )
+        store = Writer(saves.store, system, model, begin.h, begin.origin, only=saves.only)
+    record = Record(begin, store, known=resumed and (store is None or store.done > 0))
     facts = {"rule": str(system.equations.rule), "dt": begin.h, "nodes": system.size, "store": str(saves.store or "")}
     _log.info(
         "run of %s: %d steps of %.3g s from t = %.6g s", name_of(system), plan.steps, plan.h, begin.time, extra=facts

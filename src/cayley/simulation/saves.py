@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from cayley.choice.schedule import Schedule, schedule
+from cayley.model import Model, Port
+from cayley.system.discretize import spans
 
 FRAMES = 100
 """Frames of a run that does not say when to save."""
@@ -24,6 +26,7 @@ class Saves:
         at: times of saved frames [s], instead; the steps nearest to them are saved, and the end.
         store: a Zarr store that is written while the run goes on, or None: frames stay in memory.
         overwrite: replace a run that is there.
+        only: nodes whose frames are kept in the store; all without it.
 
     Raises:
         ValueError: if several are given, or one does not fit.
@@ -34,11 +37,14 @@ class Saves:
     at: Sequence[float] | None = None
     store: Path | None = None
     overwrite: bool = False
+    only: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
         """Check."""
         given = {"save_every": self.every, "save_steps": self.steps, "save_at": self.at}
         named = [name for name, value in given.items() if value is not None]
+        if self.only is not None and self.store is None:
+            raise ValueError("save_only wants a store; give store=path, too")
         if len(named) > 1:
             raise ValueError(f"{' and '.join(named)} are given; give one of them")
         whole = isinstance(self.steps, int) and not isinstance(self.steps, bool)
@@ -71,6 +77,26 @@ class Saves:
         given = {"save_every": self.every, "save_steps": self.steps}
         found: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
         return found | ({} if self.at is None else {"save_at": [float(t) for t in self.at]})
+
+
+def nodes_of(chosen: Sequence[Any], model: Model, degree: int) -> tuple[int, ...]:
+    """Nodes of parts (or their names) and of ports, in rising order.
+
+    Raises:
+        ValueError: one is neither of the model.
+    """
+    among, found = dict(zip(model.names, spans(model, degree), strict=True)), set[int]()
+    for one in chosen:
+        part = one.part if isinstance(one, Port) else one
+        own = [name for name, known in zip(model.names, model.parts, strict=True) if known is part or name == part]
+        name = own[0] if own else None
+        if name not in among:
+            raise ValueError(f"save_only has {one!r}; give parts of the model ({', '.join(among)}), or their ports")
+        nodes = among[name]
+        found |= {nodes.start + one.node * degree} if isinstance(one, Port) else set(range(nodes.start, nodes.stop))
+    if not found:
+        raise ValueError("save_only is empty; give parts of the model, or their ports")
+    return tuple(sorted(found))
 
 
 def positive(name: str, value: Any, unit: str) -> float:
