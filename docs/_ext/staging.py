@@ -15,7 +15,9 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "catenary",
         "curling_strip",
         "locking",
+        "thick_beam",
         "roll_up",
+        "unrolling",
         "bend_45",
         "elastica",
         "princeton",
@@ -23,7 +25,18 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "twisted",
         "helix",
         "steady_spin",
+    ),
+    "Rods that buckle": (
         "buckled_rod",
+        "columns",
+        "clamped_branches",
+        "twisted_rod",
+        "right_angle_frame",
+    ),
+    "Frequencies": (
+        "timoshenko_frequencies",
+        "rotating_cantilever",
+        "rotating_blade",
     ),
     "Rods in motion": (
         "rubber_pendulum",
@@ -34,7 +47,6 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "whip",
         "cable_in_flow",
         "tendon_finger",
-        "rotating_blade",
         "kinematics",
     ),
     "Bodies and joints": (
@@ -44,6 +56,7 @@ SECTIONS: dict[str, tuple[str, ...]] = {
         "four_bar",
         "kapitza",
         "free_body",
+        "heavy_top_body",
     ),
     "Lagrangians of your own": (
         "heavy_top",

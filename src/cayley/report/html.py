@@ -18,7 +18,7 @@ import cayley
 from cayley.report import figures
 from cayley.report.cite import citation, cite
 from cayley.report.conserved import conservation
-from cayley.report.player import asset, document, page
+from cayley.report.player import page
 from cayley.report.stage import scene
 from cayley.report.style import style
 
@@ -51,24 +51,10 @@ def write_report(
     """
     below = "\n".join([*_measured(run, times, nodes), *standing(run, scenario_text=scenario_text, notes=notes)])
     text = page([scene(run)], title=title or "A run", lead=lead(run), below=below)
-    return _written(path, text)
+    return written(path, text)
 
 
-def write_page(path: str | Path, title: str, parts: Iterable[str], *, style: str = "") -> Path:
-    """Write the parts of a page without a player.
-
-    Args:
-        path: of the file; an old one is replaced.
-        title: of the page.
-        parts: of its body.
-        style: what its style has besides that of all pages.
-
-    Returns: the path.
-    """
-    return _written(path, document(title, "\n".join(parts), style=asset("page.css") + style))
-
-
-def _written(path: str | Path, text: str) -> Path:
+def written(path: str | Path, text: str) -> Path:
     """Write a file, whole at its path when it is complete."""
     target = Path(path)
     unfinished = target.with_name(target.name + ".part")

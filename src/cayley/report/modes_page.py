@@ -1,28 +1,28 @@
-"""The page of modes: a table to choose from, and the chosen mode moving; one HTML file that loads nothing."""
+"""The page of modes: the player with a scene for each, and a table to choose from; one HTML file that loads nothing."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterable
+from dataclasses import replace
 from html import escape
-from importlib import resources
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cayley.lie import quaternion
 from cayley.report import vibration
-from cayley.report.html import figure_html, folded, section, versions, write_page
-from cayley.report.skeleton import Skeleton
+from cayley.report.html import figure_html, section, standing, written
+from cayley.report.player import page
+from cayley.report.scene import BYTES, Block, Link, Place, Quantity, Scene, Strand
+from cayley.report.stage import scene
+from cayley.report.swing import swing
 
-_DIGITS = 5  # of coordinates, relative to the extent: finer than a pixel
 _ROUNDING = 1e-12  # of masses, relative to the largest
-_STYLE = """
-#stage { width: 100%; height: 26rem; display: block; touch-action: none; cursor: grab; border: 1px solid var(--line); }
-.controls { display: flex; gap: 1rem; align-items: center; margin: .6rem 0 1rem; }
-button { font: inherit; padding: .2rem .9rem; border: 1px solid var(--ink); border-radius: 4px; background: none; }
-tr[data-mode] { cursor: pointer; }
-tr[aria-selected="true"] td { background: #e8f1f8; }
-"""
+_NODE = 44  # bytes in a frame: 12 of position, 8 of rotation, 6 of each of four vectors
+_FEWEST, _MOST = 12, 24  # frames of a period: with so many the straight way between two is 3 % or 1 % off at most
+_LINES = 60  # that show a rod at rest
 
 
 def write_modes(
@@ -31,7 +31,7 @@ def write_modes(
     """Write modes as one HTML file that needs no network: choose one, and it moves.
 
     Args:
-        modes: Modes.
+        modes: Modes, one at least.
         path: of the file; an old one is replaced.
         title: of the page.
         scenario_text: the scenario file, to be shown.
@@ -40,26 +40,47 @@ def write_modes(
     Returns: the path.
     """
     lead = f"{len(modes)} of {modes.linear.motions} motions, about {modes.about!r}"
-    parts = [
-        f'<header><h1>{escape(title or "Modes")}</h1><p class="lead">{escape(lead)}</p></header>',
-        section("Shapes", _stage() + _table(modes)),
-        *([section("Campbell diagram", _campbell(diagram))] if diagram is not None else []),
-        section("Model", f"<pre>{escape(str(modes.model))}</pre>"),
-        *([section("Scenario", folded("The file", f"<pre>{escape(scenario_text)}</pre>"))] if scenario_text else []),
-        f"<footer>{escape(versions())}</footer>",
-        f'<script type="application/json" id="modes-data">{_data(modes)}</script>',
-        f"<script>\n{resources.files('cayley.report').joinpath('modes.js').read_text(encoding='utf-8')}</script>",
-    ]
-    return write_page(path, title or "Modes", parts, style=_STYLE)
+    campbell = [] if diagram is None else [section("Campbell diagram", _campbell(diagram))]
+    below = "\n".join([section("Modes", _table(modes)), *campbell, *standing(modes.about, scenario_text=scenario_text)])
+    return written(path, page(list(_scenes(modes)), title=title or "Modes", lead=lead, below=below))
 
 
-def _stage() -> str:
-    return (
-        '<canvas id="stage" role="img" aria-label="The chosen mode in motion, over the equilibrium in gray"></canvas>\n'
-        '<div class="controls"><button id="play" type="button">Pause</button>'
-        '<label>size <input id="size" type="range" min="0" max="2" step="0.05" value="1"></label>'
-        "<span>drag to turn</span></div>\n"
-    )
+def _scenes(modes: Any) -> Iterable[Scene]:
+    """A scene for each mode, with as many frames as leave the page small."""
+    rest = scene(modes.about.frame, graphs=False)
+    nodes = sum(part.position.shape[1] for part in rest.parts)
+    count = int(np.clip(BYTES // (len(modes) * nodes * _NODE), _FEWEST, _MOST))
+    still = tuple(_outline(rest))
+    for k, hertz in enumerate(modes.frequency.values):
+        made = scene(swing(modes, k, count), stride=1, name=f"mode {k}: {hertz:.4g} Hz", graphs=False)
+        parts = tuple(_compared(part, before) for part, before in zip(made.parts, rest.parts, strict=True))
+        note = "The size is chosen for the eye, numbers are those at this size." + (
+            "" if hertz > 0.0 else " This mode does not oscillate: its shape is shown swinging."
+        )
+        yield replace(made, parts=parts, links=made.links + still, note=note, period=True)
+
+
+def _compared(part: Strand | Block, rest: Strand | Block) -> Strand | Block:
+    """A part with what changes in proportion to a mode: displacement and rotation from rest, moment and curvature."""
+    turn = quaternion.to_rotation_vector(quaternion.relative(rest.rotation, part.rotation))
+    shift = part.position - rest.position
+    found = {
+        "displacement": Quantity(label="displacement", unit="m", values=shift, axes=("x", "y", "z")),
+        "rotation": Quantity(label="rotation", unit="rad", values=np.asarray(turn, dtype=float)),
+    }
+    found |= {key: part.quantities[key] for key in ("moment", "curvature") if key in part.quantities}
+    return replace(part, quantities=found)
+
+
+def _outline(rest: Scene) -> Iterable[Link]:
+    """Lines along the rods at rest."""
+    for part in rest.parts:
+        if isinstance(part, Strand):
+            nodes = part.position.shape[1]
+            chosen = np.unique(np.linspace(0, nodes - 1, min(nodes, _LINES + 1)).round().astype(int))
+            ends = [Place(part=None, shift=tuple(point.tolist())) for point in part.position[0, chosen]]
+            for first, second in pairwise(ends):
+                yield Link(name=f"{part.name} at rest", first=first, second=second)
 
 
 def _table(modes: Any) -> str:
@@ -67,7 +88,7 @@ def _table(modes: Any) -> str:
     mass = np.where(mass > _ROUNDING * mass.max(initial=0.0), mass, 0.0)
     rows = zip(modes.frequency.values, modes.damping_ratio.values, modes.moves_most(), mass, strict=True)
     body = "".join(
-        f'<tr data-mode="{k}" tabindex="0" aria-selected="false"><td class="value">{k}</td>'
+        f'<tr data-scene="{k}" tabindex="0" aria-selected="false"><td class="value">{k}</td>'
         f'<td class="value">{f:.5g}</td><td class="value">{z:.3g}</td><td>{escape(word)}</td>'
         + "".join(f'<td class="value">{m:.3g}</td>' for m in own)
         + "</tr>\n"
@@ -86,18 +107,3 @@ def _campbell(diagram: Any) -> str:
         "whatever is fixed in space excites it k times a turn."
     )
     return figure_html(vibration.campbell(diagram), "Frequencies over the speed.", caption)
-
-
-def _data(modes: Any) -> str:
-    """Points, displacements of every mode (real, imaginary) and lines, for modes.js."""
-    skeleton = Skeleton.of(modes)
-    extent = float(np.ptp(skeleton.points, axis=0).max()) or 1.0
-    digits = _DIGITS - int(np.floor(np.log10(extent)))
-    shown = float(np.linalg.norm(skeleton.moves, axis=-1).max(initial=0.0))
-    found = {
-        "points": skeleton.points.round(digits).tolist(),
-        "moves": [[u.real.round(digits).tolist(), u.imag.round(digits).tolist()] for u in skeleton.moves],
-        "lines": skeleton.lines.tolist(),
-        "shown": shown,
-    }
-    return json.dumps(found, separators=(",", ":"))

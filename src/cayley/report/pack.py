@@ -36,6 +36,7 @@ def described(scene: Scene) -> dict[str, Any]:
         "note": scene.note,
         "up": list(scene.up),
         "shade": scene.shade,
+        "period": scene.period,
         "parts": [_strand(part) if isinstance(part, Strand) else _block(part) for part in scene.parts],
         "marks": [{"kind": mark.kind, "name": mark.name, "place": _place(mark.place)} for mark in scene.marks],
         "links": [

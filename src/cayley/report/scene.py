@@ -151,6 +151,7 @@ class Scene:
         up: the direction that is up in the picture, a unit vector along an axis.
         shade: from when to when loads act [s]; None: nothing is shaded.
         note: what else there is to say about the frames.
+        period: whether the frames are one period of a motion, which is played at once, again and again.
 
     Raises:
         ValueError: arrays that do not fit together.
@@ -165,6 +166,7 @@ class Scene:
     up: tuple[int, int, int] = (0, 0, 1)
     shade: tuple[float, float] | None = None
     note: str = ""
+    period: bool = False
 
     def __post_init__(self) -> None:
         """Check the shapes."""

@@ -8,8 +8,10 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from cayley.report.skeleton import BODY, ROD, TICK, Skeleton
+from cayley.lie import quaternion
+from cayley.report.bodies import body_shape
 from cayley.report.style import BLUE, GRID, INK, MUTED, SHADOW, VERMILION, WIDTH, style
+from cayley.report.swing import extent, swing
 
 __all__ = ["campbell", "mode_shapes", "response"]
 
@@ -20,6 +22,7 @@ _VIEW = np.array(
         [-np.sin(_ELEVATION) * np.cos(_AZIMUTH), -np.sin(_ELEVATION) * np.sin(_AZIMUTH), np.cos(_ELEVATION)],
     ]
 )
+_RIB = 0.04  # length of the ribs that show how sections turn, over the extent
 _COLUMNS = 3
 _MOST = 12
 _MOST_ORDERS = 6
@@ -33,9 +36,11 @@ def mode_shapes(modes: Any, count: int = 6) -> Figure:
         count: how many, at most 12.
     """
     shown = min(count, _MOST, len(modes))
-    skeleton = Skeleton.of(modes)
-    ends = [skeleton.points + skeleton.moves[k].real * sign for k in range(shown) for sign in (-1.0, 1.0)]
-    flat = np.concatenate([skeleton.points, *ends]) @ _VIEW.T
+    rib = _RIB * extent(modes.about)
+    rest = _lines(modes.about.frame, 0, rib)
+    runs = [swing(modes, k, 2) for k in range(shown)]
+    drawn = [[(rest, SHADOW, 1.0), (_lines(run, 1, rib), GRID, 1.0), (_lines(run, 0, rib), BLUE, 1.6)] for run in runs]
+    flat = np.concatenate([ends.reshape(-1, 2) for one in drawn for lines, _, _ in one for ends, _ in lines])
     low, high = flat.min(axis=0), flat.max(axis=0)
     low, high = low - 0.05 * np.ptp(flat, axis=0).max(), high + 0.05 * np.ptp(flat, axis=0).max()
     rows = -(-shown // _COLUMNS)
@@ -47,8 +52,10 @@ def mode_shapes(modes: Any, count: int = 6) -> Figure:
             axes.set_axis_off()
         for k in range(shown):
             axes = grid[k // _COLUMNS, k % _COLUMNS]
-            for offset, color, width in ((0.0, SHADOW, 1.0), (-1.0, GRID, 1.0), (1.0, BLUE, 1.6)):
-                _draw(axes, skeleton, skeleton.points + offset * skeleton.moves[k].real, color, width)
+            for lines, color, width in drawn[k]:
+                for ends, part in lines:
+                    found = LineCollection(ends, colors=color, linewidths=part * width, capstyle="round")
+                    axes.add_collection(found)
             axes.set_title(f"{k}: {float(modes.frequency[k]):.4g} Hz", color=INK)
             axes.set_xlim(low[0], high[0])
             axes.set_ylim(low[1], high[1])
@@ -114,9 +121,16 @@ def response(answer: Any, axis: str = "z") -> Figure:
     return figure
 
 
-def _draw(axes: Any, skeleton: Skeleton, points: Any, color: str, width: float) -> None:
-    flat = points @ _VIEW.T
-    for kind, part in ((ROD, 1.0), (TICK, 0.5), (BODY, 0.6)):
-        chosen = skeleton.lines[skeleton.lines[:, 2] == kind, :2]
-        if len(chosen):
-            axes.add_collection(LineCollection(flat[chosen], colors=color, linewidths=part * width))
+def _lines(run: Any, frame: int, rib: float) -> list[tuple[Any, float]]:
+    """Lines in the picture that show a run at a frame, ends of shape (n, 2, 2), with their relative widths."""
+    found = []
+    for rod in run.model.rods:
+        data = run[rod]
+        place, turn = data["position"].values[frame], data["rotation"].values[frame]
+        tips = place + np.asarray(quaternion.rotate(turn, np.array([rib, 0.0, 0.0])), dtype=float)
+        found += [(np.stack([place[:-1], place[1:]], axis=1), 1.0), (np.stack([place, tips], axis=1), 0.5)]
+    for body in run.model.bodies:
+        shape = body_shape(run, body, [frame])
+        dot = np.stack([shape.center, shape.center], axis=1)  # all there is of a point mass
+        found.append((np.concatenate([shape.edges[0], shape.arms[0], dot]), 0.6))
+    return [(ends @ _VIEW.T, width) for ends, width in found]

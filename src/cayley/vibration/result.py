@@ -121,6 +121,14 @@ class Modes:
         """|Γ|² [kg, kg m²], dims (mode, direction): of all modes they add up to the mass, or inertia, that can move."""
         return (abs(self.participation) ** 2).rename("effective modal mass")
 
+    def sizes(self, k: int) -> tuple[float, float]:
+        """Largest displacement [m] and rotation [rad] of a node in a shape; of a mode that only turns 0 and that."""
+        layout = self.about.system.layout
+        moves = self.linear.spread(self.pairs.vectors[:, k])
+        shift, turn = (float(np.linalg.norm(moves[:, layout.dofs_of(name)], axis=1).max()) for name in ("x", "p"))
+        moving = shift > ONLY_TURNS * self.about.still.made.struct.extent * turn
+        return (shift if moving else 0.0), turn
+
     def state(self, k: int, amplitude: float, phase: float = 0.0) -> State:
         """The equilibrium displaced along a mode, a start for cy.simulate: v = Re(a φ e^(iα)), v̇ = Re(s a φ e^(iα)).
 
@@ -137,18 +145,21 @@ class Modes:
         if not -len(self) <= k < len(self):
             raise IndexError(f"there is no mode {k}; there are {len(self)}, from 0")
         vector, s = self.pairs.vectors[:, k], self.pairs.values[k]
-        layout = self.about.system.layout
-        moves = self.linear.spread(vector)
-        sizes = [np.linalg.norm(moves[:, layout.dofs_of(name)], axis=1).max() for name in ("x", "p")]
-        moving = sizes[0] > ONLY_TURNS * self.about.still.made.struct.extent * sizes[1]
-        turn = np.exp(1j * phase) * amplitude / (sizes[0] if moving else sizes[1])
+        shift, rotation = self.sizes(k)
+        turn = np.exp(1j * phase) * amplitude / (shift or rotation)
         still, kept = self.about.still, (self.about.still.values, self.about.still.multipliers)
         try:
-            values = _displaced(still, (turn * vector).real)
+            values = _displaced(still, (turn * vector).real, self._softness(k))
         finally:
             still.put(*kept)
         rates = self.linear.spread((s * turn * vector).real) + frame_velocity(still, values)
         return initial_state(self.about.system, values, rates, time=self.about.time)
+
+    def _softness(self, k: int) -> float:
+        """|s|² of a mode, of a free one that of the first which is not [1/s²]; 0 if all are free."""
+        size = np.abs(self.pairs.values) ** 2 + np.maximum(self.pairs.values.real, 0.0) ** 2  # K + |s|² M is singular
+        moving = size[size > 0.0]  # along a motion that runs away, hence more of it
+        return float(size[k] or (moving[0] if len(moving) else 0.0))
 
     def data(self) -> "xr.Dataset":
         """All in one Dataset: eigenvalue, frequency, damping_ratio, effective_mass, PART.displacement and .rotation."""
@@ -262,21 +273,37 @@ def rigid(linear: Linear) -> np.ndarray:
     return found[linear.dofs[:, 0], linear.dofs[:, 1]]
 
 
-def _displaced(still: Still, v: np.ndarray) -> np.ndarray:
-    """Values displaced by v, then brought back onto the constraints by the least change in the mass norm."""
+def _displaced(still: Still, v: np.ndarray, inertia: float) -> np.ndarray:
+    """Values displaced by v, then brought back onto the constraints.
+
+    First by motions that cost little, in the norm of K + inertia M at the equilibrium, as far as that leads; what is
+    left then, by the least change in the mass norm.
+    """
     x = np.zeros(len(still.made.arrays["unknown"]))
     x[still.free] = v
-    multipliers = still.multipliers
+    multipliers, spots = still.multipliers, still.spots
+    _, regular = still.tangent(inertia=inertia)
     still.move(x)
-    spots, stiff = still.spots, still.fastest()
-    for _ in range(CORRECTIONS if len(spots) else 0):
-        force, _ = still.tangent(inertia=stiff)
-        if np.abs(force[spots]).max() <= EXACT:
-            break
+
+    def correct(force: np.ndarray) -> None:
         right = np.zeros_like(force)
         right[spots] = -force[spots]
         still.move(still.solve(right))
         still.put(still.values, multipliers)
+
+    left = np.inf
+    for _ in range(CORRECTIONS if len(spots) and inertia > 0.0 and regular else 0):
+        force = still.force()
+        before, left = left, float(np.abs(force[spots]).max())
+        if left > 0.5 * before or left <= EXACT:
+            break
+        correct(force)
+    stiff = still.fastest()
+    for _ in range(CORRECTIONS if len(spots) else 0):
+        force, _ = still.tangent(inertia=stiff)
+        if np.abs(force[spots]).max() <= EXACT:
+            break
+        correct(force)
     return still.values
 
 

@@ -9,10 +9,12 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
-from cayley import Trajectory
-from cayley.report import write_report
+from cayley import Trajectory, modes
+from cayley.model import Material, Model, Rod, Section, supports
+from cayley.report import write_modes, write_report
 from cayley.report.player import page as player_page
 from cayley.report.scene import Quantity, Scene, Strand
+from cayley.report.swing import shown
 from unit.report.growing import first_frames, serving
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -245,6 +247,31 @@ def test_scenes(show, tmp_path):
     assert "2.5 Hz" in page.inner_text("#note")
     page.evaluate("player.go(0.25)")
     assert changed(before, picture(page)) > 100
+
+
+def test_modes(show, tmp_path):
+    """A click on a row of the table shows that mode, which plays until it is stopped, over and over; the view stays."""
+    rubber = Material(density=1100.0, youngs_modulus=2e6, poisson_ratio=0.4)
+    rod = Rod(Section.rectangle(0.02, 0.04, rubber), length=1.0, elements=6)
+    found = modes(Model(rod, supports=[supports.clamp(rod.start)]), count=3)
+    page = show(write_modes(found, tmp_path / "modes.html", title="Modes").as_uri())
+    assert page.evaluate("player.playing")
+    page.click("text=side")
+    page.click("[data-scene='2']")
+    page.wait_for_function("player.number === 2 && player.playing")
+    assert page.locator("[aria-selected=true]").get_attribute("data-scene") == "2"
+    assert page.evaluate("player.picture.camera.azimuth") == 0.0
+    page.wait_for_function("(window.before ??= player.now) > player.now")  # it has begun again
+    page.click("#play")
+    page.evaluate("player.go(player.first)")
+    one = picture(page)
+    page.evaluate("player.go(player.last / 2)")
+    assert changed(one, picture(page)) > 300
+    shift = page.evaluate("Array.from(player.scene.parts[0].quantities[0].channel.row(0)).slice(-3)")
+    assert_allclose(np.abs(shift), [shown(found, 2), 0.0, 0.0], atol=1e-4)
+    page.focus("[data-scene='0']")
+    page.keyboard.press("Enter")
+    page.wait_for_function("player.number === 0 && player.playing")
 
 
 def test_follows_a_run(show, crane, tmp_path):

@@ -21,8 +21,8 @@ class Picture {
 
   show(scene) {
     this.scene = scene;
-    this.camera = new Camera(scene.up);
-    this.rods = scene.parts.map((part) => (part.kind === "strand" ? this.painter.strand(part) : null));
+    if (!this.camera || this.camera.up.join() !== scene.up.join()) this.camera = new Camera(scene.up);
+    this.rods = scene.rods ||= scene.parts.map((part) => (part.kind === "strand" ? this.painter.strand(part) : null));
     this.fit();
   }
 

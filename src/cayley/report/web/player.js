@@ -4,6 +4,7 @@ const element = (id) => document.getElementById(id);
 const PAGE = JSON.parse(element("page").textContent);
 const MAPS = Object.fromEntries(Object.entries(PAGE.maps).map(([name, text]) => [name, fromBase64(text)]));
 const PLAY_SECONDS = 10; // that a run takes at the speed it starts with, about
+const PERIOD_SECONDS = 2; // that a period takes then
 
 class Player {
   constructor() {
@@ -20,14 +21,18 @@ class Player {
   /** Show a scene; its frames are unpacked when it is first shown. */
   async open(number) {
     this.pause();
+    this.wanted = number;
     const scene = this.loaded[number] || new Scene(PAGE.scenes[number]);
     if (!this.loaded[number]) {
       this.loaded[number] = scene;
       if (PAGE.live) while (await more(scene, number));
       else scene.append(await unzipped(fromBase64(element(`frames${number}`).textContent)));
     }
+    if (this.wanted !== number) return; // another one was asked for meanwhile
     this.scene = scene;
     this.number = number;
+    for (const row of document.querySelectorAll("[data-scene]"))
+      row.setAttribute("aria-selected", Number(row.dataset.scene) === number);
     element("note").textContent = scene.note;
     element("player").classList.toggle("still", scene.frames === 1 && !PAGE.live);
     const rods = scene.parts.filter((part) => part.kind === "strand");
@@ -41,6 +46,7 @@ class Player {
     this.fillControls(rods);
     this.buildPlots();
     this.go(scene.time.data[0]);
+    if (scene.period && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play();
   }
 
   /** Without WebGL there are the plots alone. */
@@ -86,6 +92,11 @@ class Player {
     on("quantity", "change", () => this.buildRodPlots());
     on("part", "change", () => this.choose(this.middle(Number(element("part").value))));
     on("node", "input", () => this.choose({ part: this.selected.part, node: Number(element("node").value) }));
+    for (const row of document.querySelectorAll("[data-scene]")) {
+      const choose = () => this.open(Number(row.dataset.scene));
+      row.addEventListener("click", choose);
+      row.addEventListener("keydown", (event) => event.key === "Enter" && choose());
+    }
     for (const button of document.querySelectorAll("[data-view]")) {
       button.addEventListener("click", () => {
         if (!this.picture) return;
@@ -106,11 +117,12 @@ class Player {
 
   fillControls(rods) {
     const { scene } = this;
-    const fill = (id, rows) => element(id).replaceChildren(...rows.map(([value, text]) => new Option(text, value)));
-    fill(
-      "scene",
-      PAGE.scenes.map((one, k) => [k, one.name]),
-    );
+    const fill = (id, rows) => {
+      const before = element(id).value; // stays chosen if it is there
+      element(id).replaceChildren(...rows.map(([value, text]) => new Option(text, value, false, `${value}` === before)));
+    };
+    const names = PAGE.scenes.map((one, k) => [k, one.name]);
+    fill("scene", names);
     element("scene").value = this.number;
     element("scenes").hidden = PAGE.scenes.length < 2;
     const known = new Map(scene.parts.flatMap((part) => part.quantities.map((one) => [one.key, one])));
@@ -119,15 +131,13 @@ class Player {
       ...(one.axes || []).map((axis, k) => [`${one.key}/${k}`, `${one.label} ${axis}`]),
     ]);
     this.known = known;
-    const before = element("color").value;
     fill("color", [...colors, ["/", "nothing"]]);
-    if ([...colors, ["/"]].some(([value]) => value === before)) element("color").value = before;
     fill(
       "part",
       rods.map((part) => [scene.parts.indexOf(part), part.name]),
     );
     fill("quantity", rods.length ? rods[0].quantities.map((one) => [one.key, one.label]) : []);
-    this.selected = element("rods").hidden ? null : this.middle(scene.parts.indexOf(rods[0]));
+    this.selected = element("rods").hidden ? null : this.middle(Number(element("part").value));
     this.fillSpeeds();
     this.recolor();
     this.span();
@@ -138,7 +148,8 @@ class Player {
   }
 
   fillSpeeds() {
-    const usual = roundUp(Math.max(this.last - this.first, 1e-9) / PLAY_SECONDS);
+    const seconds = this.scene.period ? PERIOD_SECONDS : PLAY_SECONDS;
+    const usual = roundUp(Math.max(this.last - this.first, 1e-9) / seconds);
     const speeds = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].map((factor) =>
       Number((factor * usual).toPrecision(1)),
     );
@@ -315,22 +326,24 @@ class Player {
   }
 
   play() {
+    this.pause();
     this.playing = true;
     element("play").textContent = "❚❚";
     if (this.now >= this.last) this.go(this.first);
     let before = performance.now();
     const turn = (now) => {
-      if (!this.playing) return;
       const next = this.now + (Number(element("speed").value) * (now - before)) / 1000;
       before = now;
-      this.go(next > this.last && !PAGE.live ? this.first : next);
-      requestAnimationFrame(turn);
+      const again = this.first + (this.scene.period ? next - this.last : 0);
+      this.go(next > this.last && !PAGE.live ? again : next);
+      this.turn = requestAnimationFrame(turn);
     };
-    requestAnimationFrame(turn);
+    this.turn = requestAnimationFrame(turn);
   }
 
   pause() {
     this.playing = false;
+    cancelAnimationFrame(this.turn);
     element("play").textContent = "▶";
   }
 
