@@ -7,6 +7,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 import cayley as cy
 from cayley import damping, joints, loads, rules, supports
 from cayley.density import library
+from cayley.report.scene import Block, Strand
+from cayley.report.stage import scene
+from cayley.report.swing import extent
 from verify.assemblies import THICK, WEIGHT
 
 PULL = np.array(WEIGHT.acceleration)
@@ -79,26 +82,42 @@ def test_a_path_of_gravity_in_two_kinematics():
     assert_allclose(begin["a"].position.values, cy.equilibrium(half)["a"].position.values, rtol=0.0, atol=1e-9)
 
 
+def column(*, own):
+    """A clamped column of two rods with a load on top; the upper one may be a density of one's own."""
+    a = cy.Rod(THICK, length=0.6, elements=3, direction=(0, 0, 1), name="a")
+    if own:
+        constants = {"mass": THICK.mass_per_length, "inertia": THICK.inertia, "gravity": (0, 0, 0)}
+        constants["stiffness"] = THICK.stiffness
+        domain, place = cy.Interval(0.0, 0.6, elements=3), {"position": (0, 0, 0.6), "rotation": a.place(0)[1]}
+        b = cy.LagrangianPart(lagrangian=library.rod, constants=constants, domain=domain, name="b", **place)
+    else:
+        b = cy.Rod(THICK, length=0.6, elements=3, origin=(0, 0, 0.6), direction=(0, 0, 1), name="b")
+    push, weld = loads.force(b.end, (0, 0, -1.0)), joints.weld(a.end, b.start)
+    return cy.Model(b, a, supports=[supports.clamp(a.start)], joints=[weld], loads=[push])
+
+
 def test_buckling_of_a_column_of_two_densities():
     """The upper half of a column may be a density of one's own."""
-    found = []
-    for own in (False, True):
-        a = cy.Rod(THICK, length=0.6, elements=3, direction=(0, 0, 1), name="a")
-        if own:
-            constants = {"mass": THICK.mass_per_length, "inertia": THICK.inertia, "gravity": (0, 0, 0)}
-            constants["stiffness"] = THICK.stiffness
-            domain, place = cy.Interval(0.0, 0.6, elements=3), {"position": (0, 0, 0.6), "rotation": a.place(0)[1]}
-            b = cy.LagrangianPart(lagrangian=library.rod, constants=constants, domain=domain, name="b", **place)
-        else:
-            b = cy.Rod(THICK, length=0.6, elements=3, origin=(0, 0, 0.6), direction=(0, 0, 1), name="b")
-        push = loads.force(b.end, (0, 0, -1.0))
-        weld = joints.weld(a.end, b.start)
-        model = cy.Model(b, a, supports=[supports.clamp(a.start)], joints=[weld], loads=[push])
-        found.append(cy.buckling(model, push, count=2))
+    models = [column(own=own) for own in (False, True)]
+    found = [cy.buckling(model, model.loads[0], count=2) for model in models]
     assert_allclose(found[0].factors, found[1].factors, rtol=1e-7)
     # Euler's column; six elements are 0.6 % too stiff, what shear and shortening change is less
     assert found[1].factors[0] == pytest.approx(np.pi**2 * THICK.stiffness[3, 3] / (4.0 * 1.2**2), rel=0.02)
     assert found[1].modes[0]["b"].displacement.shape == (4, 3)
+
+
+def test_what_the_player_shows_of_parts_of_ones_own():
+    """A ball with ports, and a thin chain; neither has a moment."""
+    rest = cy.equilibrium(hung(own=True))
+    bob, arm = scene(rest.frame).parts
+    assert isinstance(bob, Block)
+    assert (bob.sides, list(bob.ports)) == (None, ["eye"])
+    assert extent(rest) > np.ptp(arm.position[0], axis=0).max()
+    chain, _ = scene(cy.equilibrium(column(own=True)).frame).parts
+    assert isinstance(chain, Strand)
+    assert set(chain.quantities) == {"speed", "spin"}
+    assert_allclose(chain.position[0, -1], (0, 0, 1.2), atol=1e-3)
+    assert np.abs(chain.outlines).max() == pytest.approx(0.003)
 
 
 def test_forces_of_long_steps():
