@@ -61,7 +61,7 @@ def test_what_is_wrong(call, small, tmp_path):
     assert "statics.spin" in result.stderr
     assert "a number, or three in brackets [rad/s]" in result.stderr
     (tmp_path / "bare.toml").write_text(without_run(small))
-    assert "a [run] table with t_end, or a [statics] table" in call("statics", "bare.toml").stderr
+    assert "a [run] table with t_end, or one of [statics], [modes], [trace]" in call("statics", "bare.toml").stderr
     (tmp_path / "rest.toml").write_text(without_run(small) + "\n[statics]\n")
     refused = call("run", "rest.toml")
     assert (refused.exit_code, refused.stderr) == (2, "rest.toml: run: is missing; allowed: a [run] table with t_end\n")
