@@ -50,9 +50,9 @@ def shown(modes: Any, k: int) -> float:
 
 
 def extent(rest: Any) -> float:
-    """Longest side of the box around rods and bodies of an equilibrium [m]; 1 where all is at one place."""
+    """Longest side of the box around all parts of an equilibrium [m]; 1 where all is at one place."""
     model = rest.model
     points = [rest[rod]["position"].values for rod in model.rods]
-    points += [body_shape(rest.frame, body, [0]).points for body in model.bodies]
+    points += [body_shape(rest.frame, part, [0]).points for part in (*model.bodies, *model.own_parts)]
     sides: Array = np.ptp(np.concatenate(points), axis=0)
     return float(sides.max()) or 1.0
