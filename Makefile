@@ -37,8 +37,8 @@ demo: $(VENV)/.engine
 	$(BIN)/cayley run leitz2014 --out $(DEMO_OUT)
 	@for report in $(DEMO_OUT)/*.html; do echo "Open the report: $(CURDIR)/$$report"; done
 
-test: lint
-	$(BIN)/python -m pytest -n 2
+test: lint # two processes on two cores: no threads of BLAS beside them
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
 
 lint: $(VENV)/.dev $(VENV)/.engine
 	$(BIN)/ruff check .
