@@ -53,7 +53,6 @@ def extent(rest: Any) -> float:
     """Longest side of the box around all parts of an equilibrium [m]; 1 where all is at one place."""
     model = rest.model
     points = [rest[rod]["position"].values for rod in model.rods]
-    others = (*model.bodies, *model.own_parts)
-    points += [body_shape(rest.frame, part, [0]).points for part in others]
+    points += [body_shape(rest.frame, part, [0]).points for part in (*model.bodies, *model.own_parts)]
     sides: Array = np.ptp(np.concatenate(points), axis=0)
     return float(sides.max()) or 1.0

@@ -129,8 +129,8 @@ def _lines(run: Any, frame: int, rib: float) -> list[tuple[Any, float]]:
         place, turn = data["position"].values[frame], data["rotation"].values[frame]
         tips = place + np.asarray(quaternion.rotate(turn, np.array([rib, 0.0, 0.0])), dtype=float)
         found += [(np.stack([place[:-1], place[1:]], axis=1), 1.0), (np.stack([place, tips], axis=1), 0.5)]
-    for body in run.model.bodies:
-        shape = body_shape(run, body, [frame])
+    for part in (*run.model.bodies, *run.model.own_parts):
+        shape = body_shape(run, part, [frame])
         dot = np.stack([shape.center, shape.center], axis=1)  # all there is of a point mass
         found.append((np.concatenate([shape.edges[0], shape.arms[0], dot]), 0.6))
     return [(ends @ _VIEW.T, width) for ends, width in found]
