@@ -1,7 +1,7 @@
 """The last frames of a run in progress, as plain files that are only ever added to: what a killed run does not lose.
 
-Each record is a header (tag, step, number of bytes, checksum) and doubles. A record that was cut off has a wrong
-checksum and ends the file; everything before it is whole.
+Each record is a header (tag, last step, frames, number of bytes, checksum) and doubles. One that was cut off has a
+wrong checksum and ends the file; everything before it is whole.
 """
 
 import os
@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-_HEADER = struct.Struct("<4sqqI")
+_HEADER = struct.Struct("<4sqqqI")
 _NAME = ".journal-"
-FRAME, MEMORY = b"\0\0\0\1", b"\0\0\0\2"
+FRAMES, MEMORY = b"\0\0\0\1", b"\0\0\0\2"
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,13 +23,15 @@ class Entry:
     """A record of a journal.
 
     Args:
-        tag: FRAME, or MEMORY for what an implicit rule remembers of the step before.
-        step: number of the step.
+        tag: FRAMES, or MEMORY for what an implicit rule remembers of the step before.
+        step: number of the (last) step.
+        count: number of frames.
         numbers: doubles, shape (k,).
     """
 
     tag: bytes
     step: int
+    count: int
     numbers: np.ndarray
 
 
@@ -43,10 +45,10 @@ class Journal:
         self._file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
         self._open = True
 
-    def add(self, tag: bytes, step: int, arrays: Sequence[np.ndarray]) -> None:
+    def add(self, tag: bytes, step: int, arrays: Sequence[np.ndarray], count: int = 0) -> None:
         """Add a record of arrays of doubles, one behind the other."""
         content = b"".join(np.ascontiguousarray(array, dtype=np.float64).tobytes() for array in arrays)
-        record = memoryview(_HEADER.pack(tag, step, len(content), zlib.crc32(content)) + content)
+        record = memoryview(_HEADER.pack(tag, step, count, len(content), zlib.crc32(content)) + content)
         while record:
             record = record[_write(self._file, record) :]
 
@@ -82,10 +84,10 @@ def read(folder: Path) -> Iterator[Entry]:
 def _records(content: bytes) -> Iterator[Entry]:
     at = 0
     while at + _HEADER.size <= len(content):
-        tag, step, size, check = _HEADER.unpack_from(content, at)
+        tag, step, count, size, check = _HEADER.unpack_from(content, at)
         at += _HEADER.size
         own = content[at : at + size]
-        if tag not in (FRAME, MEMORY) or len(own) != size or zlib.crc32(own) != check:
+        if tag not in (FRAMES, MEMORY) or len(own) != size or zlib.crc32(own) != check:
             return
-        yield Entry(tag, step, np.frombuffer(own, dtype=np.float64))
+        yield Entry(tag, step, count, np.frombuffer(own, dtype=np.float64))
         at += size

@@ -107,10 +107,9 @@ def whole_state(path: Path, about: Mapping[str, Any], outline: Outline) -> tuple
         found = {"memory": more.get("memory"), "work": work}
         return State(values=values, momenta=momenta, origin=origin, step=step, h=h, **found), count
     for entry in journal.read(path):
-        numbers, edge = entry.numbers, size * layout.rows
-        values = numbers[:edge].reshape(size, -1)
-        momenta = numbers[edge : edge + size * layout.dofs].reshape(size, -1)
-        return State(values=values.copy(), momenta=momenta.copy(), origin=origin, step=entry.step, h=h), 0
+        own = _split(entry, (size, layout.rows), (size, layout.dofs), None)
+        values, momenta, step = own["values"][0].copy(), own["momenta"][0].copy(), int(own["steps"][0])
+        return State(values=values, momenta=momenta, origin=origin, step=step, h=h), 0
     raise ValueError(f"{path} has no state to go on from")
 
 
@@ -162,31 +161,46 @@ def _of_journal(
     frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int], pairs: int | None
 ) -> tuple[Frames | None, dict[int, np.ndarray]]:
     """Frames of the journal behind others, of all nodes, and what is remembered at some, numbered after those."""
-    first, memories, more = len(frames.times), {}, []
-    last = int(frames.steps[-1]) if first else -1
+    first, memories = len(frames.times), {}
+    found: dict[str, list[np.ndarray]] = {name: [] for name in ("steps", "values", "momenta", "work", "rates")}
+    last, count, shapes = int(frames.steps[-1]) if first else -1, 0, (values, momenta)
     for entry in journal.read(folder):
-        if entry.tag == journal.FRAME and entry.step > last:
-            more.append(entry)
-            last = entry.step
+        if entry.tag == journal.FRAMES and entry.step > last:
+            last, count = entry.step, count + entry.count
+            for name, numbers in _split(entry, *shapes, pairs).items():
+                found[name].append(numbers)
         elif entry.tag == journal.MEMORY and entry.step == last:
-            memories[first + len(more) - 1] = entry.numbers.copy()
-    if not more:
+            memories[first + count - 1] = entry.numbers.copy()
+    if not count:
         return None, memories
-    split = values[0] * values[1], values[0] * values[1] + momenta[0] * momenta[1]
-    pieces = [np.split(entry.numbers, split) for entry in more]
-    steps = np.array([entry.step for entry in more], dtype=np.int64)
-    end = pieces[0][2].size if pairs is None else 2 * pairs
-    work, rates = [piece[2][:end] for piece in pieces], [piece[2][end:] for piece in pieces]
+    joined = {name: np.concatenate(own) for name, own in found.items()}
+    steps, work, rates = joined["steps"].astype(np.int64), joined["work"], joined["rates"]
     return Frames(
         times=frames.origin + steps * frames.h,
         steps=steps,
-        values=np.array([piece[0].reshape(values) for piece in pieces]),
-        momenta=np.array([piece[1].reshape(momenta) for piece in pieces]),
+        values=joined["values"],
+        momenta=joined["momenta"],
         origin=frames.origin,
         h=frames.h,
-        work=np.array(work).reshape(len(more), -1, 2) if work[0].size else None,
-        rates=np.reshape(rates, (-1, *momenta)) if rates[0].size else None,
+        work=work.reshape(count, -1, 2) if work.size else None,
+        rates=rates.reshape(count, *momenta) if rates.size else None,
     ), memories
+
+
+def _split(
+    entry: journal.Entry, values: tuple[int, int], momenta: tuple[int, int], pairs: int | None
+) -> dict[str, np.ndarray]:
+    """Steps, values, momenta, work and rates of a record, frame by frame."""
+    m, sizes = entry.count, (1, values[0] * values[1], momenta[0] * momenta[1])
+    parts = np.split(entry.numbers, np.cumsum([m * size for size in sizes]))
+    rest = parts[3].size if pairs is None else 2 * pairs * m
+    return {
+        "steps": parts[0],
+        "values": parts[1].reshape(m, *values),
+        "momenta": parts[2].reshape(m, *momenta),
+        "work": parts[3][:rest].reshape(m, -1),
+        "rates": parts[3][rest:].reshape(m, -1),
+    }
 
 
 def _remembering(frames: Frames, memory: np.ndarray | None) -> Frames:

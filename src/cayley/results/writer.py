@@ -14,7 +14,7 @@ import numpy as np
 from cayley.model import Model
 from cayley.results.append import append_frames, append_observed, check_replaceable, chunk_frames, plain, put
 from cayley.results.frames import Frames
-from cayley.results.journal import FRAME, MEMORY, Journal, remove_journals
+from cayley.results.journal import FRAMES, MEMORY, Journal, remove_journals
 from cayley.results.known import committed, observed
 from cayley.results.observe import observe
 from cayley.results.outline import Outline
@@ -98,9 +98,8 @@ class Writer:
         """
         self._raise()
         try:
-            for k, step in enumerate(steps):
-                more = [own[k] for own in (work, rates) if own is not None]
-                self._journal.add(FRAME, int(step), [values[k], momenta[k], *more])
+            more = [own for own in (work, rates) if own is not None]
+            self._journal.add(FRAMES, int(steps[-1]), [steps, values, momenta, *more], len(steps))
             if memory is not None:
                 self._journal.add(MEMORY, int(steps[-1]), [memory])
         except OSError as error:
