@@ -61,7 +61,7 @@ def _looked_at(scenario: Scenario, accuracy: float) -> tuple[list[Any], tuple[An
     from cayley.simulation import advise
 
     given = scenario.options()
-    options = {name: given[name] for name in ("t_end", "save_every", "initial", "rotation")}
+    options = {name: given[name] for name in ("t_end", "initial", "rotation")} | {"save_every": given.get("save_every")}
     try:
         choice = advise(scenario.model(), accuracy=accuracy, **options)
     except Unreached as error:

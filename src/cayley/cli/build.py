@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,7 @@ def build(tables: schema.ScenarioTables) -> Model:
     _check_initial(tables, found)
     _check_report(tables, found)
     _check_trace(tables, parts, found)
+    _check_saves(tables, parts, found)
     if tables.run is not None and tables.run.dt is not None and tables.run.accuracy is not None:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
@@ -300,6 +302,20 @@ def _rod(name: str, rods: Mapping[str, Rod], place: Place, found: _Found) -> Rod
     if name not in rods:
         found.add(place, problems.unlike(name, rods))
     return rods.get(name)
+
+
+def _check_saves(tables: schema.ScenarioTables, parts: Mapping[str, Part], found: _Found) -> None:
+    run = tables.run
+    if run is None:
+        return
+    given = [name for name in ("save_every", "save_steps", "save_at") if getattr(run, name) is not None]
+    if len(given) > 1:
+        found.add(("run", given[1]), f"is given beside {given[0]}; allowed: one of them")
+    if run.save_at is not None and any(b <= a for a, b in pairwise([0.0, *run.save_at])):
+        found.add(("run", "save_at"), "does not rise from 0; allowed: rising times in brackets [s]")
+    for text in run.save_only or ():
+        if text not in parts:
+            _port(text, parts, ("run", "save_only"), found)
 
 
 def _port(text: str, parts: Mapping[str, Part], place: Place, found: _Found) -> Port | None:

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from cayley.cli import problems, schema
 from cayley.cli.build import BuildError, build
 from cayley.cli.problems import ScenarioError
+from cayley.cli.tie_build import port_of
 from cayley.model import Model
 
 _SAVES = 500  # frames of a run that does not say how often to save
@@ -81,13 +82,25 @@ class Scenario:
             "t_end": run.t_end,
             "dt": run.dt,
             "rule": None if chosen else rules.by_name(run.rule or "verlet"),
-            "save_every": run.t_end / _SAVES if run.save_every is None else run.save_every,
+            **self._saves(),
             "initial": self.initial(),
             "rotation": run.rotation,
             "allow_unstable": run.allow_unstable,
             **({"balance": True} if run.balance else {}),
             **({} if run.accuracy is None else {"accuracy": run.accuracy}),
         }
+
+    def _saves(self) -> dict[str, Any]:
+        """When and what is saved."""
+        run, found = self.run, dict[str, Any]()
+        every = run.t_end / _SAVES if run.save_steps is None and run.save_at is None else None
+        given = {"save_every": run.save_every or every, "save_steps": run.save_steps, "save_at": run.save_at}
+        found |= {name: value for name, value in given.items() if value is not None}
+        if run.save_only is not None:
+            model = self.model()
+            parts = dict(zip(model.names, model.parts, strict=True))
+            found["save_only"] = [text if text in parts else port_of(text, parts) for text in run.save_only]
+        return found
 
     def initial(self) -> dict[str, dict[str, list[float]]]:
         """What moves at the start, by the name of the part: velocity [m/s], angular_velocity [rad/s], momenta."""

@@ -222,6 +222,13 @@ class RunTable(Table):
     dt: float | None = Field(None, gt=0, description="a positive number [s]; left out: the largest safe step")
     rule: str | None = _rule()
     save_every: float | None = Field(None, gt=0, description="a positive number [s]; left out: t_end/500")
+    save_steps: int | None = Field(None, ge=1, description="a whole number of steps, at least 1, instead of save_every")
+    save_at: Annotated[list[float], Field(min_length=1)] | None = Field(
+        None, description="rising times in brackets [s], instead of save_every"
+    )
+    save_only: Annotated[list[str], Field(min_length=1)] | None = Field(
+        None, description=f"names of parts, or places, in brackets: {_NODE}"
+    )
     accuracy: float | None = Field(
         None, gt=1e-12, lt=0.5, description="a number between 1e-12 and 0.5, such as 1e-3, instead of dt"
     )

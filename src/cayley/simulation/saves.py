@@ -88,7 +88,9 @@ def nodes_of(chosen: Sequence[Any], model: Model, degree: int) -> tuple[int, ...
     among, found = dict(zip(model.names, spans(model, degree), strict=True)), set[int]()
     for one in chosen:
         part = one.part if isinstance(one, Port) else one
-        own = [name for name, known in zip(model.names, model.parts, strict=True) if known is part or name == part]
+        called = part if isinstance(part, str) else getattr(part, "name", "")  # ports may be of a part that equals it
+        pairs = list(zip(model.names, model.parts, strict=True))
+        own = [name for name, known in pairs if known is part] or [name for name, _ in pairs if name == called]
         name = own[0] if own else None
         if name not in among:
             raise ValueError(f"save_only has {one!r}; give parts of the model ({', '.join(among)}), or their ports")

@@ -134,3 +134,24 @@ def test_cite_names_the_methods_of_a_run(call, small, spoiled, tmp_path):
     for key in ("@software{cayley", "leitz2014", "marsden2001", "simo1985", "hante2022"):
         assert key in told
     assert "leok2012" not in told
+
+
+def test_saves_by_steps_at_times_and_of_some_places(call, small, spoiled, tmp_path):
+    every = "save_every = 0.001"
+    for name, text in {
+        "steps": "save_steps = 7",
+        "at": "save_at = [0.004, 0.01]",
+        "only": 'save_only = ["beam.end"]',
+    }.items():
+        (tmp_path / f"{name}.toml").write_text(spoiled(every, text))
+        result = call("run", f"{name}.toml", "--quiet")
+        assert result.exit_code == 0, result.output
+    assert Trajectory.open(tmp_path / "runs/steps/run.zarr").frames.steps[1] == 7
+    assert len(Trajectory.open(tmp_path / "runs/at/run.zarr").time) == 4
+    only = Trajectory.open(tmp_path / "runs/only/run.zarr")
+    assert only.frames.values.shape[1] == 1
+    assert not (tmp_path / "runs/only/report.html").exists()
+    (tmp_path / "both.toml").write_text(spoiled(every, every + "\nsave_steps = 7"))
+    assert "save_steps: is given beside save_every" in call("check", "both.toml").stderr
+    (tmp_path / "none.toml").write_text(spoiled(every, 'save_only = ["mast"]'))
+    assert call("check", "none.toml").exit_code == 2
