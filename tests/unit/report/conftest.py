@@ -37,7 +37,7 @@ class FakeRun:
     accounted = False
 
     def __init__(self, model, time):
-        self.model = model
+        self.model, self.only = model, None
         self.data = {name: rod_data(time, rod, self.dt) for name, rod in zip(model.names, model.rods, strict=True)}
         loaded = np.clip(time, 0.0, 2.0)
         self.kinetic_energy = series(time, 1.0 + np.sin(time) ** 2)
