@@ -77,7 +77,9 @@ def own_run(run):
     fields = xr.Dataset({"p": run["rod"].rotation, "p_t": run["rod"].position})
     names = ("rule", "dt", "steps", "wall_time", "accounted", "energy", "kinetic_energy", "potential_energy")
     momenta = ("linear_momentum", "angular_momentum")
-    return SimpleNamespace(model=None, data=fields, **{name: getattr(run, name) for name in (*names, *momenta)})
+    return SimpleNamespace(
+        model=None, only=None, data=fields, **{name: getattr(run, name) for name in (*names, *momenta)}
+    )
 
 
 @pytest.fixture(scope="session")
