@@ -111,6 +111,21 @@ def guarded(source: str, act: Callable[[], int]) -> int:
         return told([f"{source}: stopped by hand"], INTERRUPTED)
 
 
+def analyzed(source: str, out: Path | None, act: Callable[[Scenario, Path], None]) -> int:
+    """Do something with the equilibria of a scenario, for a folder, runs/NAME by default; returns the exit code."""
+    from cayley.statics import EquilibriumError
+
+    def analyze() -> int:
+        scenario = load(source)
+        try:
+            act(scenario, Path("runs") / scenario.name if out is None else out)
+        except EquilibriumError as error:
+            return told([f"{source}: {one_line(error)}"], STOPPED)
+        return DONE
+
+    return guarded(source, analyze)
+
+
 def write_report_of(run: Any, scenario: Scenario | None, path: Path, console: Console) -> None:
     """Write the HTML report of a run."""
     from cayley.report import write_report

@@ -17,6 +17,10 @@ app = typer.Typer(
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Where `cayley run` wrote, or a store NAME.zarr.")]
 Report = Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML report.")]
+Source = Annotated[str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")]
+Out = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object instead of tables.")]
 
@@ -46,9 +50,7 @@ def run(
             metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one: leitz2014, rubber_pendulum."
         ),
     ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
-    ] = None,
+    out: Out = None,
     report: Report = True,
     quiet: Quiet = False,
     as_json: AsJson = False,
@@ -160,17 +162,13 @@ def doctor() -> None:
 
 @app.command()
 def modes(
-    scenario: Annotated[
-        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
-    ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
-    ] = None,
+    scenario: Source,
+    out: Out = None,
     count: Annotated[
         int | None, typer.Option(min=1, help="Number of modes; that of the file, or 10.", show_default=False)
     ] = None,
     report: Annotated[bool, typer.Option("--report/--no-report", help="Write the HTML page.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the modes of a scenario about its equilibrium: a table, a Zarr store, pictures, a page where they move.
 
@@ -183,9 +181,7 @@ def modes(
 
 @app.command()
 def advise(
-    scenario: Annotated[
-        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
-    ],
+    scenario: Source,
     accuracy: Annotated[
         float | None,
         typer.Option(
@@ -242,9 +238,7 @@ def view(
 
 @app.command()
 def sweep(
-    scenario: Annotated[
-        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
-    ],
+    scenario: Source,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=V1,V2,...", help="Values of a key; given several times, all combinations."),
@@ -275,10 +269,8 @@ def trace(
     scenario: Annotated[
         str, typer.Argument(metavar="FILE.toml", help="A scenario file with a table [trace].", show_default=False)
     ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    out: Out = None,
+    quiet: Quiet = False,
 ) -> None:
     """Follow equilibria of a scenario along a parameter: limit and bifurcation points, a Zarr store, a diagram.
 
@@ -291,14 +283,10 @@ def trace(
 
 @app.command()
 def statics(
-    scenario: Annotated[
-        str, typer.Argument(metavar="FILE.toml|NAME", help="A scenario file, or the name of a shipped one.")
-    ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where results go; runs/NAME if not given.", show_default=False)
-    ] = None,
+    scenario: Source,
+    out: Out = None,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the deformed shape.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the equilibrium of a scenario: ends, reactions and largest moments, a Zarr store, a picture.
 

@@ -9,10 +9,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from cayley.cli.execute import DONE, STOPPED, WRONG_INPUT, one_line, told
+from cayley.cli.execute import analyzed
 from cayley.cli.modes_schema import ModesTable
-from cayley.cli.problems import ScenarioError
-from cayley.cli.scenario import Scenario, load
+from cayley.cli.scenario import Scenario
 
 _DPI = 150
 
@@ -29,12 +28,9 @@ def modes(source: str, *, out: Path | None, count: int | None, report: bool, qui
 
     Returns: the exit code; an error is told on standard error, one line for each problem.
     """
-    from cayley.statics import EquilibriumError
-
     console = Console(quiet=quiet, highlight=False)
-    try:
-        scenario = load(source)
-        folder = Path("runs") / scenario.name if out is None else out
+
+    def act(scenario: Scenario, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         wanted = scenario.tables.modes or ModesTable.model_validate({})
         with console.status("Finding modes"):
@@ -49,15 +45,8 @@ def modes(source: str, *, out: Path | None, count: int | None, report: bool, qui
             page = folder / "modes.html"
             write_modes(found, page, title=scenario.title, scenario_text=scenario.text, diagram=diagram)
             console.print(f"Page:    {page}", soft_wrap=True)
-    except ScenarioError as error:
-        return told(error.problems, WRONG_INPUT)
-    except OSError as error:
-        return told([f"{error.filename}: {error.strerror}" if error.strerror else str(error)], WRONG_INPUT)
-    except EquilibriumError as error:
-        return told([f"{source}: {one_line(error)}"], STOPPED)
-    except (TypeError, ValueError) as error:
-        return told([f"{source}: {one_line(error)}"], WRONG_INPUT)
-    return DONE
+
+    return analyzed(source, out, act)
 
 
 def table(found: Any) -> Table:

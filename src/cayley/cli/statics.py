@@ -10,8 +10,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from cayley.cli.execute import DONE, STOPPED, guarded, one_line, told
-from cayley.cli.scenario import Scenario, load
+from cayley.cli.execute import analyzed
+from cayley.cli.scenario import Scenario
 from cayley.cli.statics_schema import StaticsTable
 
 _DPI = 150
@@ -30,18 +30,8 @@ def statics(source: str, *, out: Path | None, picture: bool, quiet: bool) -> int
 
     Returns: the exit code; an error is told on standard error, one line for each problem.
     """
-    from cayley.statics import EquilibriumError
-
-    def found() -> int:
-        scenario = load(source)
-        folder = Path("runs") / scenario.name if out is None else out
-        try:
-            _found(scenario, folder, Console(quiet=quiet, highlight=False), picture=picture)
-        except EquilibriumError as error:
-            return told([f"{source}: {one_line(error)}"], STOPPED)
-        return DONE
-
-    return guarded(source, found)
+    console = Console(quiet=quiet, highlight=False)
+    return analyzed(source, out, lambda scenario, folder: _found(scenario, folder, console, picture=picture))
 
 
 def _found(scenario: Scenario, folder: Path, console: Console, *, picture: bool) -> None:

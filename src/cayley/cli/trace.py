@@ -8,9 +8,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from cayley.cli.execute import DONE, STOPPED, WRONG_INPUT, one_line, told
-from cayley.cli.problems import ScenarioError
-from cayley.cli.scenario import Scenario, load
+from cayley.cli.execute import analyzed
+from cayley.cli.scenario import Scenario
 from cayley.cli.tie_build import port_of
 
 _DPI = 150
@@ -26,12 +25,9 @@ def trace(source: str, *, out: Path | None, quiet: bool) -> int:
 
     Returns: the exit code; an error is told on standard error, one line for each problem.
     """
-    from cayley.statics import EquilibriumError
-
     console = Console(quiet=quiet, highlight=False)
-    try:
-        scenario = load(source)
-        folder = Path("runs") / scenario.name if out is None else out
+
+    def act(scenario: Scenario, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         with console.status("Following equilibria"):
             paths = _followed(scenario)
@@ -42,15 +38,8 @@ def trace(source: str, *, out: Path | None, quiet: bool) -> int:
         _drawn(scenario, list(paths.values()), folder / "trace.png")
         console.print(f"Results: {folder / 'path.zarr'}", soft_wrap=True)
         console.print(f"Diagram: {folder / 'trace.png'}", soft_wrap=True)
-    except ScenarioError as error:
-        return told(error.problems, WRONG_INPUT)
-    except OSError as error:  # of the folder or the disk
-        return told([f"{error.filename}: {error.strerror}" if error.strerror else str(error)], WRONG_INPUT)
-    except EquilibriumError as error:
-        return told([f"{source}: {one_line(error)}"], STOPPED)
-    except (TypeError, ValueError) as error:
-        return told([f"{source}: {one_line(error)}"], WRONG_INPUT)
-    return DONE
+
+    return analyzed(source, out, act)
 
 
 def table(paths: dict[str, Any]) -> Table:

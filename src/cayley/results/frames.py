@@ -36,6 +36,19 @@ class Frames:
     work: np.ndarray | None = None
     rates: np.ndarray | None = None
 
+    @classmethod
+    def of(cls, state: State) -> "Frames":
+        """The one frame of a state."""
+        return cls(
+            times=np.array([state.time]),
+            steps=np.array([state.step]),
+            values=state.values[None],
+            momenta=state.momenta[None],
+            origin=state.origin,
+            h=state.h,
+            work=None if state.work is None else state.work[None],
+        )
+
     def state(self, k: int = -1) -> State:
         """The state of a frame, to go on from."""
         return State(

@@ -78,8 +78,7 @@ class Known:
                 frames = frames.then(late if only is None else late.at_nodes(np.asarray(only)))
         if not len(frames.times):
             raise ValueError("it has no frame")
-        last = len(frames.times) - 1
-        frames = _remembering(frames, memories.get(last))
+        frames = replace(frames, memory=memories.get(len(frames.times) - 1))
         if damage:
             warnings.warn(f"{source} is damaged: {damage}; the whole ones were opened", DamageWarning, stacklevel=4)
         return cls(frames, count, memories, damage, None if only is None else late)
@@ -201,7 +200,3 @@ def _split(
         "work": parts[3][:rest].reshape(m, -1),
         "rates": parts[3][rest:].reshape(m, -1),
     }
-
-
-def _remembering(frames: Frames, memory: np.ndarray | None) -> Frames:
-    return replace(frames, memory=memory)

@@ -161,16 +161,7 @@ def _resolved(system: System, frames: Frames) -> bool:
 
 def energy_of(system: System, state: State) -> float:
     """Total energy of a state [J]."""
-    frames = Frames(
-        times=np.array([state.time]),
-        steps=np.array([state.step]),
-        values=state.values[None],
-        momenta=state.momenta[None],
-        origin=state.origin,
-        h=state.h,
-        work=None if state.work is None else state.work[None],
-    )
-    seen = observe(system, frames)
+    seen = observe(system, Frames.of(state))
     return float(seen.kinetic[0] + seen.strain[0] + seen.load[0])
 
 

@@ -24,7 +24,6 @@ Dimensions are named and units given, so that xarray opens any group without thi
 import os
 import shutil
 import uuid
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
@@ -52,7 +51,7 @@ from cayley.results.append import (
     plain,
     put,
 )
-from cayley.results.known import DamageWarning, Known, observed
+from cayley.results.known import Known, observed
 from cayley.results.observe import Observations
 from cayley.results.outline import Outline
 from cayley.results.record import model_from, model_record
@@ -135,19 +134,9 @@ def open_run(path: str | Path, *, model: Model | None = None) -> Trajectory:
         only = None if about.get("only") is None else np.array(about["only"])
         told: dict[str, Any] = {"model": model, "parts": parts, "only": only}
         run = Trajectory(frames=frames, outline=outline, observed=None if known.late else seen, info=info, **told)
-        run.seen, run.late = seen, known.late
+        run.seen, run.late, run.memories = seen, known.late, known.memories
         run.path = source
         return run
-
-
-def known_of(path: Path) -> Known:
-    """What is whole in a store."""
-    import zarr
-
-    root, about = zarr.open_group(path, mode="r", use_consolidated=False), attributes(path)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DamageWarning)  # told when it was opened
-        return Known.of(path, root, about, outline_of(root, about))
 
 
 def _write(run: Trajectory, path: Path) -> None:

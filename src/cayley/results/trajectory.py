@@ -64,6 +64,7 @@ class Trajectory:
             raise TypeError("Trajectory: give the system, or its outline")
         self.frames, self.model = frames, model
         self.path: Path | None = None
+        self.memories: Mapping[int, np.ndarray] = {}  # of frames in a store from which implicit rules go on
         self.seen: Observations | None = None  # of the frames in arrays,
         self.late: Frames | None = None  # and those of the journal with all nodes: where only some are saved
         self.info = dict(info)

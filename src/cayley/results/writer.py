@@ -219,18 +219,7 @@ def rewind(path: Path, frames: Frames, outline: Outline, model: Model | None, co
         root.create_group("checkpoint", attributes={"frames": committed(root), "observed": committed(root)})
     group, known = root["checkpoint"], committed(root)
     if count > known:
-        some = slice(known, count)
-        late = Frames(
-            times=frames.times[some],
-            steps=frames.steps[some],
-            values=frames.values[some],
-            momenta=frames.momenta[some],
-            origin=frames.origin,
-            h=frames.h,
-            work=None if frames.work is None else frames.work[some],
-            rates=None if frames.rates is None else frames.rates[some],
-        )
-        append_frames(root, outline, late, model, known)
+        append_frames(root, outline, frames.part(slice(known, count)), model, known)
     group.attrs["frames"] = count
     group.attrs["observed"] = min(count, int(group.attrs["observed"]))
 

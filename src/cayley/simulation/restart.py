@@ -9,7 +9,6 @@ from cayley.choice.pilot import stepper_of
 from cayley.model import Model
 from cayley.results.append import attributes
 from cayley.results.known import whole_state
-from cayley.results.store import known_of
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import rewind
 from cayley.simulation.run import run
@@ -55,15 +54,12 @@ def resume(
     compiled = before.system if system is None else system
     only = before.only
     if only is None:
-        known = known_of(source)
         remembers = stepper_of(compiled) is not decoupled_run
-        last = max(known.memories, default=0) if remembers else len(known.frames.times) - 1
-        state, frames, count = known.frames.state(last), known.frames, last + 1
-        state = replace(state, memory=known.memories.get(last))
+        last = max(before.memories, default=0) if remembers else len(before.time) - 1
+        state, count = replace(before.frames.state(last), memory=before.memories.get(last)), last + 1
     else:
         state, count = whole_state(source, attributes(source), before.outline)
-        frames = before.frames
-    rewind(source, frames, before.outline, before.model, count)
+    rewind(source, before.frames, before.outline, before.model, count)
     when: dict[str, Any] = {name: info.get(f"save_{name}") for name in ("every", "steps", "at")}
     saves = Saves(**when, store=source, only=None if only is None else tuple(only.tolist()))
     options: dict[str, Any] = {"model": before.model, "parts": before.spans, "progress": progress, "watch": watch}

@@ -69,15 +69,8 @@ class Equilibrium:
         state, system = self.state, self.system
         if self.still.spin is None:
             state, system = replace(state, momenta=np.zeros_like(state.momenta)), at_rest(system)
-        frames = Frames(
-            times=np.array([self.time]),
-            steps=np.zeros(1, dtype=np.int64),
-            values=state.values[None],
-            momenta=state.momenta[None],
-            origin=self.time,
-            h=0.0,
-        )
-        return Trajectory(frames=frames, info={"wall_time": 0.0}, system=system, model=self.model, parts=self._parts)
+        named: dict[str, Any] = {"model": self.model, "parts": self._parts}
+        return Trajectory(frames=Frames.of(state), info={"wall_time": 0.0}, system=system, **named)
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name, as those of a run without the time."""
