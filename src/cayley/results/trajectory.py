@@ -16,6 +16,7 @@ from cayley.results.forces_record import Unstored
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
+from cayley.results.residual import residual_speed
 from cayley.system.discretize import discretize
 from cayley.system.system import State, System
 
@@ -142,6 +143,11 @@ class Trajectory:
     def state(self) -> State:
         """The last state, to go on from."""
         return self.frames.state()
+
+    @property
+    def residual(self) -> float:
+        """Largest speed of a node at the last frame, over the length of its rod [1/s]: how far from rest it is."""
+        return residual_speed(self.system, self.state, self.model, self.spans)
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name."""
