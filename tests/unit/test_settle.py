@@ -25,6 +25,9 @@ def test_both_ways_end_at_the_same_place():
     assert static.force < 1e-9
     assert dynamic.residual < 1e-7
     np.testing.assert_allclose(dynamic[rod].position.values, static[rod].position.values, atol=1e-6)
+    for rest in (static, dynamic):
+        for found, name in zip(rest.poses(rod), ("position", "rotation"), strict=True):
+            np.testing.assert_array_equal(found, rest[rod][name].values)
     assert cy.simulate(model, 0.01, start=static).residual < 1e-8
     assert "by statics" in repr(static)
 

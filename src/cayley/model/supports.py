@@ -172,8 +172,8 @@ def drive(port: Port, *, position: Any = None, rotation: Any = None, along: Any 
         position: displacement in space [m], (3,): a function of the time [s], a Table, or (times, values); zero at the
             start.
         rotation: rotation vector in space [rad], (3,), likewise.
-        along: an axis in space along which the port slides freely, as in a sleeve that is moved and turned; what position
-            says along it is without effect, and without position or rotation the sleeve does not shift or turn.
+        along: an axis in space along which the port slides freely, as in a sleeve that is moved and turned; what
+            position says along it is without effect, and without position or rotation it does not shift or turn.
         name: in listings and results.
 
     Raises:

@@ -70,6 +70,11 @@ class Settled:
         """Fields of one rod or body, given itself or by name, as those of a run without the time."""
         return self.found[part] if isinstance(self.found, Equilibrium) else self.found[part].isel(time=-1)
 
+    def poses(self, part: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and unit quaternions wxyz of a part's nodes alone, shape (nodes, 3) and (nodes, 4)."""
+        position, rotation = self.found.poses(part)
+        return (position, rotation) if isinstance(self.found, Equilibrium) else (position[-1], rotation[-1])
+
     def __repr__(self) -> str:
         """Say how, and how well."""
         left = f"force left {self.force:.2g}" if self.route == STATICS else f"speed left {self.residual:.2g} lengths/s"
