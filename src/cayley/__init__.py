@@ -28,6 +28,13 @@ _HOMES = {
     "Body": "model",
     "PointMass": "model",
     "LagrangianPart": "model",
+    "Plane": "model",
+    "Sphere": "model",
+    "Capsule": "model",
+    "Cylinder": "model",
+    "Box": "model",
+    "Mesh": "model",
+    "Contact": "model",
     "ground": "model.port",
     "Model": "model",
     "simulate": "simulation",
@@ -114,12 +121,19 @@ if TYPE_CHECKING:
     from cayley.density.library import E3 as E3
     from cayley.discrete import rules as rules
     from cayley.model import Body as Body
+    from cayley.model import Box as Box
+    from cayley.model import Capsule as Capsule
+    from cayley.model import Contact as Contact
+    from cayley.model import Cylinder as Cylinder
     from cayley.model import LagrangianPart as LagrangianPart
     from cayley.model import Material as Material
+    from cayley.model import Mesh as Mesh
     from cayley.model import Model as Model
+    from cayley.model import Plane as Plane
     from cayley.model import PointMass as PointMass
     from cayley.model import Rod as Rod
     from cayley.model import Section as Section
+    from cayley.model import Sphere as Sphere
     from cayley.model import damping as damping
     from cayley.model import ground as ground
     from cayley.model import joints as joints

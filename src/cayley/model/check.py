@@ -9,6 +9,7 @@ import numpy as np
 
 from cayley.model.joints import Joint
 from cayley.model.part import Part
+from cayley.model.shapes import Obstacle
 from cayley.model.springs import Spring
 
 GAP = 1e-9
@@ -39,6 +40,15 @@ def joint_names(joints: Sequence[Joint | Spring]) -> tuple[str, ...]:
     """
     what = "springs" if joints and isinstance(joints[0], Spring) else "joints"
     return _numbered([(joint.name, joint.kind) for joint in joints], what)
+
+
+def obstacle_names(obstacles: Sequence[Obstacle]) -> tuple[str, ...]:
+    """A name for each obstacle: its own, or its kind with a number.
+
+    Raises:
+        ValueError: two of one name.
+    """
+    return _numbered([(obstacle.name, obstacle.kind) for obstacle in obstacles], "obstacles")
 
 
 def members(name: str, values: Any, kind: Any, example: str) -> tuple[Any, ...]:

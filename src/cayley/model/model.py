@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from types import EllipsisType
 from typing import Any
 
 from cayley.model import check
 from cayley.model.body import Body, PointMass
+from cayley.model.contact import Contact, check_contact, odd_contact
 from cayley.model.joints import Joint
 from cayley.model.lagrangian_part import LagrangianPart
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad, RodLoad
 from cayley.model.part import Part
 from cayley.model.port import Port
 from cayley.model.rod import Rod
+from cayley.model.shapes import Obstacle
 from cayley.model.springs import Spring
 from cayley.model.supports import Support
 from cayley.model.validate import Mask
@@ -30,6 +33,8 @@ class Model:
         joints: between parts, or parts and the ground.
         springs: springs and dampers.
         loads: what acts.
+        obstacles: shapes that rods and bodies touch, fixed in space or carried by a body.
+        contact: how they touch, and rods each other; None: nothing touches.
         names: of the parts; a rod without a name is called rod, rod2, ..., a body body, body2, ...
 
     Example:
@@ -50,6 +55,8 @@ class Model:
     joints: tuple[Joint, ...]
     springs: tuple[Spring, ...]
     loads: tuple[Load, ...]
+    obstacles: tuple[Obstacle, ...]
+    contact: Contact | None
     names: tuple[str, ...]
 
     def __init__(
@@ -59,6 +66,8 @@ class Model:
         joints: Sequence[Joint] = (),
         springs: Sequence[Spring] = (),
         loads: Sequence[Load] = (),
+        obstacles: Sequence[Obstacle] = (),
+        contact: Contact | None = None,
     ) -> None:
         """Put the parts together and check that all fits.
 
@@ -69,12 +78,16 @@ class Model:
             joints: made by `joints.weld`, `joints.ball`, `joints.hinge`, ...
             springs: made by `springs.linear`, `springs.rotational`, `springs.bushing`.
             loads: made by `loads.gravity`, `loads.force`, ...
+            obstacles: Plane, Sphere, Capsule, Cylinder, Box and Mesh, in space or on bodies.
+            contact: a Contact, with which rods touch each other and themselves, too; with obstacles it need not be
+                given.
 
         Raises:
-            TypeError: something is not a part, a support, a joint, a spring or a load.
+            TypeError: something is not a part, a support, a joint, a spring, a load, an obstacle or a Contact.
             ValueError: no parts; one twice; two of one name; a support, a joint or a load on a part that is not among
                 them; a joint whose sides do not meet, or one that says the same as another; a load that cannot move
-                anything because all it acts on is held.
+                anything because all it acts on is held; a shape on a body, or a rod of the Contact, that is not among
+                them; with contact, a rod without a round section or a radius.
         """
         for part in parts:
             if not isinstance(part, Part):
@@ -87,13 +100,18 @@ class Model:
             "joints": (joints, (Joint,), "joints.weld(mast.end, arm.start)"),
             "springs": (springs, (Spring,), "springs.linear(rod.end, stiffness=10.0)"),
             "loads": (loads, (Gravity, PointLoad, LineLoad, RodLoad), "loads.gravity((0, 0, -9.81))"),
+            "obstacles": (obstacles, (Obstacle,), "Plane()"),
         }
         for name, (given, kind, example) in wanted.items():
             object.__setattr__(self, name, check.members(name, given, kind, example))
         held: Any = self.supports
         object.__setattr__(self, "supports", tuple(support for support in held if isinstance(support, Support)))
         object.__setattr__(self, "guides", tuple(support for support in held if isinstance(support, Joint)))
+        if contact is not None and not isinstance(contact, Contact):
+            raise TypeError(f"Model: contact is a {type(contact).__name__}, but must be a Contact or None")
+        object.__setattr__(self, "contact", Contact() if contact is None and self.obstacles else contact)
         self._check_membership()
+        check_contact(self)
         connections = [(self.described(joint, short=True), joint) for joint in self.connections]
         for ties in (self.connections, self.springs):
             check.joint_names(ties)
@@ -107,11 +125,12 @@ class Model:
         """The counts, in one line."""
         held = (*self.supports, *self.guides)
         counts = {"supports": held, "joints": self.joints, "springs": self.springs, "loads": self.loads}
+        counts["obstacles"] = self.obstacles
         told = [f"{name}={len(found)}" for name, found in counts.items() if found or name in ("supports", "loads")]
         return f"Model({', '.join(self.names)}; {', '.join(told)})"
 
     def __str__(self) -> str:
-        """A tree of parts, supports, joints, springs and loads, with what looks odd at its end."""
+        """A tree of parts, supports, joints, springs, loads and obstacles, with what looks odd at its end."""
         from cayley.model.tree import tree
 
         return "\n".join(tree(self))
@@ -171,8 +190,20 @@ class Model:
         return check.joint_names(self.springs)
 
     @property
+    def obstacle_names(self) -> tuple[str, ...]:
+        """Names of the obstacles, in the order given: their own, or plane, plane2, ..."""
+        return check.obstacle_names(self.obstacles)
+
+    @property
     def warnings(self) -> tuple[str, ...]:
-        """What is legal but looks odd, a line each: parts that nothing holds and that are connected to nothing."""
+        """What is legal but looks odd, a line each.
+
+        Parts that nothing holds, that are connected to nothing and touch nothing; rods whose contact has one radius
+        though theirs changes; closed meshes turned inside out.
+        """
+        odd = odd_contact(self)
+        if self.contact is not None:
+            return odd
         pairs = [tuple(port.part for port in tie.ports) for tie in self.ties]
         held = [support.port.part for support in self.supports]
         free = [self.names[k] for k in check.loose(self.parts, held, pairs)]
@@ -213,6 +244,8 @@ class Model:
         joints: Sequence[Joint] | None = None,
         springs: Sequence[Spring] | None = None,
         loads: Sequence[Load] | None = None,
+        obstacles: Sequence[Obstacle] | None = None,
+        contact: Contact | EllipsisType | None = ...,
     ) -> Model:
         """Another model in which what is given replaces what is here.
 
@@ -222,6 +255,8 @@ class Model:
             joints: instead of its joints.
             springs: instead of its springs.
             loads: instead of its loads.
+            obstacles: instead of its obstacles.
+            contact: instead of its contact; None: no contact, unless there are obstacles.
 
         Raises:
             TypeError: as for Model.
@@ -233,6 +268,8 @@ class Model:
             joints=self.joints if joints is None else joints,
             springs=self.springs if springs is None else springs,
             loads=self.loads if loads is None else loads,
+            obstacles=self.obstacles if obstacles is None else obstacles,
+            contact=self.contact if isinstance(contact, EllipsisType) else contact,
         )
 
     def _check_membership(self) -> None:

@@ -40,6 +40,7 @@ class Section:
         outline: outer contour in the (e1, e2) plane for drawing [m], shape (k, 2), counter-clockwise, the first
             point not repeated, read-only.
         name: a few words that name it in listings.
+        radius: outer radius of a circle or tube, with which a rod touches [m]; None: it is not round.
     """
 
     stiffness: Array
@@ -48,6 +49,7 @@ class Section:
     outline: Array
     mass_center: tuple[float, float] = (0.0, 0.0)
     name: str = "given"
+    radius: float | None = None
 
     def __post_init__(self) -> None:
         """Check and freeze the values."""
@@ -59,6 +61,8 @@ class Section:
         object.__setattr__(self, "mass_per_length", mass)
         object.__setattr__(self, "inertia", inertia)
         object.__setattr__(self, "outline", validate.frozen(outline))
+        if self.radius is not None:
+            object.__setattr__(self, "radius", validate.positive("Section", "radius", self.radius, "m"))
         center = validate.array("Section", "mass_center", self.mass_center, (2,), "2 finite numbers (along e1, e2) [m]")
         object.__setattr__(self, "mass_center", (float(center[0]), float(center[1])))
         if center.any():
@@ -413,7 +417,7 @@ class Section:
         both = shear_pair(owner, kappa, (cowper, cowper))
         outline = outer * _unit_circle()
         whole = Areas(area=area, centroid=(0.0, 0.0), moments=(moment, moment, 0.0))
-        return cls._solid(owner, material, whole, 2.0 * moment, both, outline, name)
+        return cls._solid(owner, material, whole, 2.0 * moment, both, outline, name, radius=outer)
 
     @classmethod
     def _solid(
@@ -426,6 +430,7 @@ class Section:
         outline: Array,
         name: str,
         shear_center: tuple[float, float] = (0.0, 0.0),
+        radius: float | None = None,
     ) -> Section:
         """Of one material, referred to its centroid."""
         matter = _material(owner, material)
@@ -443,7 +448,9 @@ class Section:
         if any(shear_center):
             stiffness = moved_shear(stiffness, shear_center)
         mass = matter.density * whole.area
-        return cls(stiffness=stiffness, mass_per_length=mass, inertia=inertia, outline=outline, name=name)
+        return cls(
+            stiffness=stiffness, mass_per_length=mass, inertia=inertia, outline=outline, name=name, radius=radius
+        )
 
 
 def _sizes(owner: str, **given: Any) -> list[float]:

@@ -11,11 +11,12 @@ from cayley.model.part import Part
 from cayley.model.rod import Rod
 
 if TYPE_CHECKING:
+    from cayley.model.contact import Contact
     from cayley.model.model import Model
 
 
 def tree(model: Model) -> list[str]:
-    """Lines of the listing: counts, parts, supports, joints, springs, loads, and what looks odd."""
+    """Lines of the listing: counts, parts, supports, joints, springs, loads, obstacles, contact, and what looks odd."""
     rods = model.rods
     masses = sum(isinstance(part, PointMass) for part in model.parts)
     own = len(model.own_parts)
@@ -38,7 +39,27 @@ def tree(model: Model) -> list[str]:
         "loads",
         [str(load) if isinstance(load, Gravity) else load.described(model.name_of(load.part)) for load in model.loads],
     )
+    lines += _section("obstacles", _obstacles(model))
+    lines += _section("contact", [] if model.contact is None else _contact(model, model.contact))
     return lines + _section("warnings", list(model.warnings))
+
+
+def _obstacles(model: Model) -> list[str]:
+    found = []
+    for name, obstacle in zip(model.obstacle_names, model.obstacles, strict=True):
+        carrier = "" if obstacle.on is None else f", on {model.name_of(obstacle.on)}"
+        friction = "" if obstacle.friction is None else f", friction {obstacle.friction:g}"
+        kind = "" if name == obstacle.kind else f"{obstacle.kind}, "
+        found.append(f"{name}: {kind}{obstacle.geometry}{carrier}{friction}")
+    return found
+
+
+def _contact(model: Model, contact: Contact) -> list[str]:
+    called = dict(zip(map(id, model.obstacles), model.obstacle_names, strict=True))
+    called |= dict(zip(map(id, model.parts), model.names, strict=True))
+    lines = [str(contact)]
+    lines += [f"radius of {model.name_of(rod)}: {radius:g} m" for rod, radius in contact.radii.items()]
+    return lines + [f"{called[id(one)]} never touches {called[id(two)]}" for one, two in contact.without]
 
 
 def _size(part: Part) -> str:
