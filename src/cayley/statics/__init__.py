@@ -76,7 +76,7 @@ def equilibrium(
     inertia = ROUNDING * (still.fastest() or 1.0)  # bodies alone have no stiffness
     if start is not None and hasattr(start, "still") and start.still.multipliers.shape == still.multipliers.shape:
         still.put(values, start.still.multipliers)
-    solution = solve(still, inertia=inertia, relax=relax)
+    solution = solve(still, inertia=inertia, relax=relax, bent=bool(initial))
     facts = {"found": solution.found, "iterations": solution.iterations, "load_steps": solution.load_steps}
     _log.info("equilibrium: %d corrections by %s", solution.iterations, solution.how, extra=facts)
     if not solution.found:

@@ -108,12 +108,11 @@ class CayleySolver:
 
     def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
         driven = any(rod.start_motion or rod.end_motion for rod in scenario.rods)
-        if not scenario.quasi_static and not touches(scenario):
+        if not touches(scenario) and not (scenario.quasi_static and driven):
             even = n_elements % 2 == 0  # an element of degree 2 has a node in its middle
-            rule = cy.rules.galerkin(time=2, space=2)
-            return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
-        if scenario.quasi_static and not touches(scenario) and not driven:
-            return Plan(STATICS, cy.rules.midpoint, n_elements)
+            way, order = (STATICS, 1) if scenario.quasi_static else (MOTION, 2)
+            rule = cy.rules.galerkin(time=order, space=2)
+            return Plan(way, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
         rule = cy.rules.verlet if self.scale <= 1.0 else cy.rules.midpoint
         return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, n_elements)
 
