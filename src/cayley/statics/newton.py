@@ -65,8 +65,8 @@ def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None, bent
         still: the system; it ends at the equilibrium, or where it was.
         inertia: mass matrices by which stiffness is raised [1/s²] so that motions without any stay finite.
         relax: True: by relaxation alone; False: not at all.
-        bent: the start is not the reference, so that positions are settled first: then rods bear their loads as they are
-            bent, and a cable has the tension that makes it stiff.
+        bent: the start is not the reference, so positions are settled first: then rods bear their loads in the shape
+            they begin with, and a cable has the tension that makes it stiff.
     """
     start = still.values, still.multipliers
     total, told = 0, Solution()

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cosseratbench.scenario as suite
 import numpy as np
+from cosseratbench.solver import Capability, Diverged
+from cosseratbench.trajectory import Trajectory
 
 import cayley as cy
-import cosseratbench.scenario as suite
 from cayley.discrete.rules import Rule
 from cayley.model.settling import slowest_frequency
 from cayley.simulation import advise
@@ -16,8 +18,6 @@ from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
 from cayley_cosseratbench.start import element_directors
 from cayley_cosseratbench.translate import Translation, touches, translate
-from cosseratbench.solver import Capability, Diverged
-from cosseratbench.trajectory import Trajectory
 
 ACCURACY = 1e-5
 """Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
@@ -58,8 +58,8 @@ class Plan:
 class CayleySolver:
     """cayley, with the choices of the library.
 
-    What is quasi-static, not driven and touches nothing is solved by statics. Other quasi-static scenarios are runs with
-    the library's settling damping, of the explicit rule verlet at its step limit. A motion that is the result itself
+    What is quasi-static, not driven and touches nothing is solved by statics. Other quasi-static scenarios are runs
+    with the library's settling damping, of the explicit rule verlet at its step limit. A motion that is the result itself
     takes elements of degree 2 between the nodes of the suite, with implicit steps of order 4 chosen by ``accuracy``.
     """
 

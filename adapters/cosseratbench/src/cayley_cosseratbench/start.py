@@ -1,8 +1,8 @@
 """How a rod of the suite stands at the start: where its nodes are, and how its sections are turned."""
 
+import cosseratbench.scenario as suite
 import numpy as np
 
-import cosseratbench.scenario as suite
 from cayley.lie import quaternion
 
 
