@@ -59,8 +59,9 @@ class CayleySolver:
     """cayley, with the choices of the library.
 
     What is quasi-static, not driven and touches nothing is solved by statics. Other quasi-static scenarios are runs
-    with the library's settling damping, of the explicit rule verlet at its step limit. A motion that is the result itself
-    takes elements of degree 2 between the nodes of the suite, with implicit steps of order 4 chosen by ``accuracy``.
+    with the library's settling damping, of the explicit rule verlet at its step limit. A motion that is the result
+    itself takes elements of degree 2 between the nodes of the suite, with implicit steps of order 4 chosen by
+    ``accuracy``.
     """
 
     name = "cayley"
@@ -108,11 +109,12 @@ class CayleySolver:
 
     def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
         driven = any(rod.start_motion or rod.end_motion for rod in scenario.rods)
-        if not touches(scenario) and not (scenario.quasi_static and driven):
+        if scenario.quasi_static and not driven and not touches(scenario):
+            return Plan(STATICS, cy.rules.midpoint, n_elements)
+        if not scenario.quasi_static and not touches(scenario):
             even = n_elements % 2 == 0  # an element of degree 2 has a node in its middle
-            way, order = (STATICS, 1) if scenario.quasi_static else (MOTION, 2)
-            rule = cy.rules.galerkin(time=order, space=2)
-            return Plan(way, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
+            rule = cy.rules.galerkin(time=2, space=2)
+            return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
         rule = cy.rules.verlet if self.scale <= 1.0 else cy.rules.midpoint
         return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, n_elements)
 
