@@ -12,8 +12,9 @@ TOLERANCE = 1e-9
 """A correction this small, by a new tangent, is the last: the next would be about its square."""
 FLOOR = 1e-6
 """Below, a correction that no longer shrinks is rounding."""
-IDLE = 1e-2
-"""Below, a correction that no longer shrinks may be a motion that nothing resists, driven by rounding."""
+IDLE, LIFT = 1e-2, 1e3
+"""Size below which a correction that no longer shrinks may be a motion that nothing resists, driven by rounding; and by
+how much more stiffness is raised to see: that makes such a motion as much shorter."""
 LARGEST_TURN, WANTED_TURN = 2.0, 1.6
 """Longest turn of one correction, and that of the first one of a load step [rad]: 2 is a quarter turn after Cayley."""
 WILD = 2.0
@@ -156,14 +157,12 @@ def newton(
             still.move(x)
             told.found = True
             return told
-        if size <= IDLE and size > 0.3 * last:  # moves on along what nothing resists: a pinned rod about its own axis
-            if still.at_rounding(fade):
-                told.found = True
-                return told
-            still.tangent(inertia=inertia)
+        if size <= IDLE and size > 0.3 * last and _idles(still, fade, inertia):
+            told.found = True
+            return told
         if careful:
             if not _part(still, x, size, turn, fade):
-                told.found = size <= IDLE and still.at_rounding(fade)
+                told.found = size <= IDLE and _idles(still, fade, inertia)
                 return told
         else:
             still.move(x, min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0)
@@ -178,6 +177,17 @@ def _settle(still: Still, size: float, fade: np.ndarray | None, inertia: float) 
         x = still.settle(fade, inertia=inertia)
         if x is not None and still.measure(x)[0] <= size:
             still.move(x)
+
+
+def _idles(still: Still, fade: np.ndarray | None, inertia: float) -> bool:
+    """Whether all that is left to correct are motions that nothing resists, as of a pinned rod about its own axis."""
+    force, regular = still.tangent(inertia=LIFT * inertia)
+    x = still.solve(-(force if fade is None else force - fade)) if regular else force
+    if regular and still.measure(x)[0] <= FLOOR:
+        still.move(x)
+        return True
+    still.tangent(inertia=inertia)
+    return False
 
 
 def _careful(still: Still, inertia: float) -> Solution:

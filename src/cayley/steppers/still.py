@@ -19,8 +19,6 @@ from cayley.system.tables import INSTANT
 
 FAINT = 1e-12
 """Kinds of degrees of freedom with less of the largest stiffness count as without any."""
-ROUNDED = 10.0 * np.finfo(float).eps
-"""Relative size of rounding errors."""
 
 
 def make_plan(system: System) -> Plan:
@@ -239,24 +237,6 @@ class Still:
         stiffness = np.abs(self.made.arrays["matrix"][self.made.arrays["diagonal"]]) + force / lengths
         mass = -self.matrix(2).diagonal()[self.free]
         return float((stiffness[self.free] / mass)[mass > 0.0].max(initial=0.0))
-
-    def at_rounding(self, fade: np.ndarray | None = None) -> bool:
-        """Whether all that is left of forces is the rounding of what they are added up from.
-
-        |fᵢ| lᵢ ≤ 10 ε √(Dᵢ max D),   Dᵢ = |Kᵢᵢ| lᵢ²,   l the extent, or a radian; violations of constraints: 10 ε l.
-
-        Args:
-            fade: forces that are subtracted.
-        """
-        force = np.abs(self._assemble(tangent=True) - (0.0 if fade is None else fade))
-        lengths = np.ones_like(force)
-        for is_rotation, _, first, size in self.made.arrays["field"]:
-            lengths[self.dofs[:, first : first + size]] = 1.0 if is_rotation else 1.0 / self.made.struct.extent
-        scale = np.abs(self.made.arrays["matrix"][self.made.arrays["diagonal"]]) * lengths**2
-        free = self.free
-        bound = ROUNDED * np.sqrt(scale[free] * scale[free].max(initial=0.0))
-        forces = bool(np.all(force[free] * lengths[free] <= bound))
-        return forces and bool(np.all(force[self.spots] * self.made.struct.extent <= ROUNDED))
 
     def unstable(self, *, inertia: float = 0.0) -> int:
         """Number of independent motions along which the second variation is negative: 0 at a stable equilibrium.
