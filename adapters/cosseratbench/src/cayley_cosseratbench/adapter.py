@@ -71,7 +71,7 @@ class CayleySolver:
     def __init__(self, time_step_scale: float = 1.0) -> None:
         """Take the factor of the step.
 
-        A step over the limit of the explicit rule is one of its implicit sibling, or, where there is contact, the limit.
+        A step over the limit of the explicit rule is one of its implicit sibling, or, with contact, the limit.
         """
         self.scale = float(time_step_scale)
 

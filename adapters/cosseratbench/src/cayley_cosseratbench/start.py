@@ -31,7 +31,7 @@ def node_frames(spec: suite.Rod, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _end_tangent(line: np.ndarray) -> np.ndarray:
-    """Direction at the first point of a polyline: of the parabola through three points where these sample a smooth curve.
+    """Direction at the first point of a polyline; of the parabola through three points if they sample a smooth curve.
 
     A clamp would keep the tilt of a first segment for good.
     """
