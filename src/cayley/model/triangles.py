@@ -105,7 +105,8 @@ def surface(owner: str, vertices: Array, triangles: Ints) -> Surface:
         )
     bend = np.full(len(edges), -1.0)
     bend[inner] = _bend(vertices, triangles, normals[one // 3], ways[two], two)
-    convex = bend <= FLAT
+    flat, convex = np.abs(bend) <= FLAT, bend <= FLAT
+    flat[inner] &= np.einsum("ek,ek->e", normals[one // 3], normals[two // 3]) > 0.0  # not folded over
     owns_edge, owns_vertex = np.zeros((2, triangles.size), dtype=bool)
     owns_edge[first[convex]] = True
     owns_vertex[np.unique(triangles, return_index=True)[1]] = True
@@ -114,7 +115,7 @@ def surface(owner: str, vertices: Array, triangles: Ints) -> Surface:
         edges=_frozen(edges.astype(np.int64)),
         triangle_edges=_frozen(inverse.reshape(-1, 3).astype(np.int64)),
         convex=_frozen(convex),
-        flat=_frozen(np.abs(bend) <= FLAT),
+        flat=_frozen(flat),
         owns_edge=_frozen(owns_edge.reshape(-1, 3)),
         owns_vertex=_frozen(owns_vertex.reshape(-1, 3)),
         closed=len(inner) == len(edges),

@@ -61,6 +61,13 @@ def test_valleys_have_no_owner(height, convex):
     assert mesh.normals[0, 2] > 0.5
 
 
+def test_a_sheet_of_two_sides_has_sharp_edges():
+    sheet = Mesh(SQUARE[:3], [[0, 1, 2], [2, 1, 0]])
+    assert sheet.closed
+    assert sheet.convex.all()
+    assert not sheet.flat.any()
+
+
 def test_turned_inside_out():
     box = Box((1, 1, 1)).mesh
     assert Mesh(box.vertices, box.triangles[:, ::-1]).volume == pytest.approx(-1.0)
