@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 import cayley as cy
 from cayley.lie import quaternion
 from cayley.report import figures
+from cayley.report.conserved import load_free, preserved
 from cayley.report.pack import described
 from cayley.report.scene import Flat, Skin
 from cayley.report.skins import skin
@@ -102,3 +103,16 @@ def test_snapshots(run):
     corners = filled[0].get_paths()[0].vertices[:4]
     wanted = [(x, y, 0.0) for x in (room.low[0], room.high[0]) for y in (room.low[1], room.high[1])]
     assert_allclose(sorted(map(tuple, corners)), sorted(map(tuple, seen(np.array(wanted)))), atol=1e-9)
+
+
+def test_what_contact_leaves(run):
+    """Obstacles in space take momentum, bodies that collide keep it; damped or rubbing contact takes energy."""
+    model = run.model
+    carried = model.replace(obstacles=[shape for shape in model.obstacles if shape.on is not None])
+    smooth = cy.Contact(damping=0.0)
+    assert not any(preserved(model)[0])
+    assert all(preserved(carried)[0])
+    for contact, free in ((model.contact, False), (cy.Contact(), False), (smooth, True)):
+        told = model.replace(contact=contact)
+        other = cy.Trajectory(frames=run.frames, info=run.info, outline=run.outline, observed=run.observed, model=told)
+        assert load_free(other).free is free
