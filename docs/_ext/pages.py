@@ -36,6 +36,7 @@ INSTEAD = {
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Models": ("Material", "Section", "Rod", "Body", "PointMass", "LagrangianPart", "ground", "Model"),
+    "Contact": ("Contact", "Plane", "Sphere", "Capsule", "Cylinder", "Box", "Mesh"),
     "Running": (
         "simulate",
         "resume",
