@@ -24,6 +24,7 @@ class Block:
     momenta: np.ndarray
     work: np.ndarray | None = None
     rates: np.ndarray | None = None
+    contact: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State) -> "Block":
@@ -76,7 +77,7 @@ class Record:
         blocks = _completed(self._blocks)
         for k, block in enumerate(blocks):
             last = k == len(blocks) - 1 and state is not None
-            more = {"work": block.work, "rates": block.rates, "memory": state.memory if last and state else None}
+            more = {"work": block.work, "rates": block.rates, "contact": block.contact, "memory": state.memory if last and state else None}
             self.writer.add(block.steps, block.values, block.momenta, **more)
         self._blocks, self._fresh = [], 0
 
@@ -90,7 +91,8 @@ class Record:
         """All frames that are in memory."""
         blocks = _completed(self._blocks)
         steps = np.concatenate([block.steps for block in blocks])
-        works, rates = ([own for b in blocks if (own := getattr(b, name)) is not None] for name in ("work", "rates"))
+        names = ("work", "rates", "contact")
+        works, rates, contact = ([own for b in blocks if (own := getattr(b, name)) is not None] for name in names)
         return Frames(
             times=self.begin.origin + steps * self.begin.h,
             steps=steps,
@@ -101,13 +103,14 @@ class Record:
             memory=memory,
             work=np.concatenate(works) if works else None,
             rates=np.concatenate(rates) if rates else None,
+            contact=np.concatenate(contact) if contact else None,
         )
 
 
 def _completed(blocks: Sequence[Block]) -> list[Block]:
     """Blocks with work and loss and rates, if others have them; no work at the start, and no rates (NaN)."""
     found = list(blocks)
-    for name, nothing in (("work", 0.0), ("rates", np.nan)):
+    for name, nothing in (("work", 0.0), ("rates", np.nan), ("contact", 0.0)):
         known = [own for block in found if (own := getattr(block, name)) is not None]
         if known:
             shape = known[-1].shape[1:]
