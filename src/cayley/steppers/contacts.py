@@ -49,11 +49,9 @@ class Contacts:
             count = self.arrays["memory"].size
             self.arrays["memory"][:] = memory[:count]
             self.arrays["force"][:-1] = memory[count:].reshape(self.system.size, -1)
-        begin = self.engine.begin_contacts
+        begin, given = self.engine.begin_contacts, with_ground(self.system.layout, values)
         begin.restype = ctypes.c_int64
-        self.struct.state = begin(
-            ctypes.byref(self.struct), address(with_ground(self.system.layout, values)), ctypes.c_int64(known)
-        )
+        self.struct.state = begin(ctypes.byref(self.struct), address(given), ctypes.c_int64(known))
 
     def remember(self) -> np.ndarray:
         """What a state remembers, flat.
