@@ -46,6 +46,8 @@ _HOMES = {
     "DamageWarning": "results.known",
     "export": "results.export",
     "cite": "report.cite",
+    "settle": "simulation",
+    "SettleError": "simulation",
     "equilibrium": "statics",
     "Equilibrium": "statics",
     "EquilibriumError": "statics",
@@ -143,10 +145,12 @@ if TYPE_CHECKING:
     from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory
     from cayley.simulation import Interrupted as Interrupted
+    from cayley.simulation import SettleError as SettleError
     from cayley.simulation import SimulationError as SimulationError
     from cayley.simulation import WriteError as WriteError
     from cayley.simulation import integrate as integrate
     from cayley.simulation import resume as resume
+    from cayley.simulation import settle as settle
     from cayley.simulation import simulate as simulate
     from cayley.statics import Equilibrium as Equilibrium
     from cayley.statics import EquilibriumError as EquilibriumError

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import cayley as cy
-from cayley.cli import scenario, schema, tie_schema
+from cayley.cli import contact_schema, scenario, schema, tie_schema
 from cayley.cli.problems import ScenarioError
 from cayley.discrete.rules import RULES
 
@@ -105,7 +105,7 @@ def test_the_scenario_on_the_page_runs() -> None:
 
 
 def test_every_key_and_word_of_a_scenario_is_on_the_page() -> None:
-    known = [*vars(schema).values(), *vars(tie_schema).values()]
+    known = [*vars(schema).values(), *vars(tie_schema).values(), *vars(contact_schema).values()]
     tables = [kind for kind in known if isinstance(kind, type) and issubclass(kind, schema.Table)]
     keys = {key for table in tables if table is not schema.ScenarioTables for key in table.model_fields}
     missing = sorted(key for key in keys if f"`{key}`" not in SCENARIO_PAGE)

@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cayley.cli import expressions, force_build, problems, schema
+from cayley.cli.contact_build import contact_of, obstacle_of, wrong_obstacle
+from cayley.cli.contact_schema import ContactTable
 from cayley.cli.force_tables import AlongRod
 from cayley.cli.own_parts import PartTable, own_part, wrong_lagrangian
 from cayley.cli.rods import make_rod, make_section
 from cayley.cli.schema import Place
 from cayley.cli.tie_build import body_of, guide_of, joint_of, motion_problems, port_of, side_of, spring_of
 from cayley.cli.tie_schema import BodyTable
-from cayley.model import Material, Model, Part, Port, Rod, Section, loads, supports
+from cayley.model import Material, Model, Obstacle, Part, Port, Rod, Section, loads, supports
+from cayley.model.check import obstacle_names
 from cayley.model.joints import Joint
 from cayley.model.loads import Load
 from cayley.model.springs import Spring
@@ -34,8 +38,8 @@ class BuildError(ValueError):
         super().__init__("\n".join(found))
 
 
-def build(tables: schema.ScenarioTables) -> Model:
-    """The model that the tables describe.
+def build(tables: schema.ScenarioTables, folder: Path) -> Model:
+    """The model that the tables describe; files they name are looked for in the folder.
 
     Raises:
         BuildError: they do not fit together.
@@ -62,6 +66,7 @@ def build(tables: schema.ScenarioTables) -> Model:
     acting = _loads(tables, rods, parts, found)
     joined: list[Joint] = _ties(tables, "joint", joint_of, parts, found)
     sprung: list[Spring] = _ties(tables, "spring", spring_of, parts, found)
+    touching = _contact(tables, parts, folder, found)
     _check_initial(tables, found)
     _check_report(tables, found)
     _check_trace(tables, parts, found)
@@ -70,7 +75,7 @@ def build(tables: schema.ScenarioTables) -> Model:
         found.add(("run", "accuracy"), "is given beside dt; allowed: one of the two")
     found.stop()
     with found.at():
-        return Model(*parts.values(), supports=held, joints=joined, springs=sprung, loads=acting)
+        return Model(*parts.values(), supports=held, joints=joined, springs=sprung, loads=acting, **touching)
     raise BuildError(found.lines)
 
 
@@ -174,6 +179,27 @@ def _ties(tables: schema.ScenarioTables, word: str, make: Any, parts: Mapping[st
             with found.at(word, k):
                 made.append(make(table, *sides))
     return made
+
+
+def _contact(tables: schema.ScenarioTables, parts: Mapping[str, Part], folder: Path, found: _Found) -> dict[str, Any]:
+    """Obstacles and contact."""
+    made: list[Obstacle] = []
+    for k, table in enumerate(tables.obstacle):
+        wrong = wrong_obstacle(table, parts)
+        if wrong is not None:
+            found.add(("obstacle", k, wrong[0]), wrong[1])
+        elif table.name and table.name in [other.name for other in tables.obstacle[:k]]:
+            found.add(("obstacle", k, "name"), f"is {problems.shown(table.name)} again; allowed: a name of its own")
+        else:
+            with found.at("obstacle", k):
+                made.append(obstacle_of(table, parts, folder))
+    if len(made) < len(tables.obstacle) or (tables.contact is None and not made):
+        return {}
+    named = dict(zip(obstacle_names(made), made, strict=True))
+    contact, problem = contact_of(tables.contact or ContactTable.model_validate({}), parts, named)
+    for place, text in problem:
+        found.add(("contact", *place), text)
+    return {"obstacles": made, "contact": contact}
 
 
 def _supports(tables: schema.ScenarioTables, rods: Mapping[str, Part], found: _Found) -> list[Support | Joint]:

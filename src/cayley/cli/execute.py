@@ -53,7 +53,7 @@ def execute(source: str, *, out: Path | None, wanted: Wanted) -> int:
         scenario = load(source)
         folder = Path("runs") / scenario.name if out is None else out
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")  # at once: to resume a killed run
+        scenario.write(folder)  # at once: to resume a killed run
 
         def simulated(progress: Progress) -> Any:
             from cayley.simulation import simulate

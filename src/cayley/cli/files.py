@@ -13,7 +13,7 @@ from cayley.cli.resume import scenario_of
 from cayley.cli.scenario import load, shipped
 from cayley.cli.schema import ScenarioTables
 
-TEMPLATES = ("cantilever", "pendulum", "assembly")
+TEMPLATES = ("cantilever", "pendulum", "assembly", "rope")
 EXPORTS = ("csv", "netcdf", "vtk")
 
 

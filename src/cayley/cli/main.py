@@ -120,7 +120,7 @@ def schema() -> None:
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Of the file NAME.toml to be made.")],
     template: Annotated[
-        str, typer.Option(metavar="WORD", help="cantilever, pendulum, assembly, or a shipped scenario.")
+        str, typer.Option(metavar="WORD", help="cantilever, pendulum, assembly, rope, or a shipped scenario.")
     ] = "cantilever",
 ) -> None:
     """Make a scenario file to begin with.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tomllib
 from dataclasses import dataclass
 from importlib import resources
@@ -29,12 +30,14 @@ class Scenario:
         file: how messages call it.
         text: of the file.
         tables: its contents.
+        folder: in which files that it names are.
     """
 
     name: str
     file: str
     text: str
     tables: schema.ScenarioTables
+    folder: Path
 
     @property
     def title(self) -> str:
@@ -59,7 +62,17 @@ class Scenario:
 
     def model(self) -> Model:
         """The model it describes."""
-        return build(self.tables)
+        return build(self.tables, self.folder)
+
+    def write(self, folder: Path) -> None:
+        """Write it as scenario.toml to a folder, and the files that it names, so that it can run again there."""
+        (folder / "scenario.toml").write_text(self.text, encoding="utf-8")
+        for table in self.tables.obstacle:
+            name = getattr(table, "file", None)
+            source, target = self.folder / (name or ""), folder / (name or "")
+            if name and source.resolve() != target.resolve():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(source, target)
 
     def report_options(self) -> dict[str, Any]:
         """The arguments of `cayley.report.write_report` besides run and path."""
@@ -159,8 +172,14 @@ def source_text(source: str | Path) -> tuple[str, str]:
     return text, file.name.removesuffix(".toml")
 
 
-def parse(text: str, *, name: str, file: str) -> Scenario:
-    """Check the text of a scenario; `file` is how messages call it.
+def parse(text: str, *, name: str, file: str, folder: Path | None = None) -> Scenario:
+    """Check the text of a scenario.
+
+    Args:
+        text: of the file.
+        name: of the scenario.
+        file: how messages call it.
+        folder: in which files that it names are; that of the file if None.
 
     Raises:
         ScenarioError: something in it is wrong; one line for each problem.
@@ -174,8 +193,9 @@ def parse(text: str, *, name: str, file: str) -> Scenario:
     if all(table is None for table in (tables.run, tables.statics, tables.modes, tables.trace)):
         allowed = "a [run] table with t_end, or one of [statics], [modes], [trace]"
         raise ScenarioError(file, [f"run: is missing; allowed: {allowed}"])
+    around = Path(file).parent if folder is None else folder
     try:
-        build(tables)
+        build(tables, around)
     except BuildError as error:
         raise ScenarioError(file, error.found) from None
-    return Scenario(name, file, text, tables)
+    return Scenario(name, file, text, tables, around)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field
 
 from cayley.cli import force_tables, tie_schema
+from cayley.cli.contact_schema import OBSTACLES, ContactTable, ObstacleTable
 from cayley.cli.expressions import LANGUAGE
 from cayley.cli.force_tables import FORCE_TABLES, DampingTable
 from cayley.cli.modes_schema import ModesTable
@@ -282,6 +283,8 @@ class ScenarioTables(Table):
     joint: list[JointTable] = Field([], description="[[joint]] tables")
     spring: list[SpringTable] = Field([], description="[[spring]] tables")
     load: list[LoadTable] = Field([], description="[[load]] tables")
+    obstacle: list[ObstacleTable] = Field([], description="[[obstacle]] tables")
+    contact: ContactTable | None = Field(None, description="a [contact] table")
     initial: list[InitialTable] = Field([], description="[[initial]] tables")
     modes: ModesTable | None = Field(None, description="a [modes] table")
     trace: TraceTable | None = Field(None, description="a [trace] table with a parameter")
@@ -300,6 +303,7 @@ Place = tuple[str | int, ...]
 
 _ONE: dict[str, type[Table]] = {
     "run": RunTable,
+    "contact": ContactTable,
     "statics": StaticsTable,
     "modes": ModesTable,
     "trace": TraceTable,
@@ -325,6 +329,7 @@ _KINDS: dict[str, tuple[str, dict[str, type[Table]]]] = {
     "support": ("kind", {"pin": PinTable, "clamp": PinTable, "hold": HoldTable, **tie_schema.GUIDES}),
     "joint": ("kind", tie_schema.JOINTS),
     "spring": ("kind", tie_schema.SPRINGS),
+    "obstacle": ("shape", OBSTACLES),
     "load": (
         "kind",
         {

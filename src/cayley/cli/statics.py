@@ -44,7 +44,7 @@ def _found(scenario: Scenario, folder: Path, console: Console, *, picture: bool)
         rest = equilibrium(scenario.model(), rule=rules.by_name(wanted.rule or "midpoint"), **options)
     folder.mkdir(parents=True, exist_ok=True)
     rest.save(folder / "rest.zarr", overwrite=True)
-    (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
+    scenario.write(folder)
     console.print(str(rest.model), repr(rest), sep="\n", soft_wrap=True, markup=False)
     for table in (ends(rest), reactions(rest), moments(rest)):
         if table.row_count:

@@ -50,7 +50,7 @@ def sweep(source: str, settings: list[str], *, out: Path | None, workers: int | 
         for case in cases:  # all are checked before the first one runs
             parse(_toml(_with(tables, case)), name=name, file=source)
         folder.mkdir(parents=True, exist_ok=True)
-        jobs = [(_toml(_with(tables, case)), name, str(folder / f"{k + 1:04}")) for k, case in enumerate(cases)]
+        jobs = [(_toml(_with(tables, case)), name, str(folder / f"{k + 1:04}"), source) for k, case in enumerate(cases)]
         count = workers or os.cpu_count() or 1
         with ProcessPoolExecutor(min(count, len(jobs))) as pool:
             found = list(pool.map(_one, jobs))
@@ -112,16 +112,16 @@ def _toml(tables: Mapping[str, Any]) -> str:
     return tomli_w.dumps(dict(tables))
 
 
-def _one(job: tuple[str, str, str]) -> dict[str, Any]:
+def _one(job: tuple[str, str, str, str]) -> dict[str, Any]:
     """Run one case in a process of its own; returns a row of the table."""
-    text, name, place = job
+    text, name, place, source = job
     from cayley.simulation import SimulationError, simulate
 
     folder = Path(place)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "scenario.toml").write_text(text, encoding="utf-8")
     try:
-        scenario = parse(text, name=name, file=place)
+        scenario = parse(text, name=name, file=place, folder=Path(source).parent)
+        scenario.write(folder)
         run = simulate(scenario.model(), **scenario.options(), store=folder / "run.zarr", overwrite=True)
     except SimulationError as error:
         return {"outcome": one_line(error), "folder": place}

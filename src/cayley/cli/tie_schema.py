@@ -100,6 +100,7 @@ class DriveTable(Table):
     at: str = Field(description=PORT)
     position: VectorMotion | None = _vector_motion("m")
     rotation: VectorMotion | None = _vector_motion("rad")
+    along: Vector | None = Field(None, description=_AXIS)
     name: str = Field("", description="a text")
 
 

@@ -33,7 +33,7 @@ def trace(source: str, *, out: Path | None, quiet: bool) -> int:
             paths = _followed(scenario)
         for name, path in paths.items():
             path.save(folder / f"{name}.zarr", overwrite=True)
-        (folder / "scenario.toml").write_text(scenario.text, encoding="utf-8")
+        scenario.write(folder)
         console.print(table(paths))
         _drawn(scenario, list(paths.values()), folder / "trace.png")
         console.print(f"Results: {folder / 'path.zarr'}", soft_wrap=True)

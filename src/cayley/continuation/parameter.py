@@ -9,7 +9,7 @@ import numpy as np
 from cayley.model import LagrangianPart, Model
 from cayley.model.joints import Joint
 from cayley.model.loads import Gravity, LineLoad, Load, PointLoad, RodLoad
-from cayley.model.rod_loads import Buoyancy, Density, Distributed, Drag, ImposedStrain, Pressure, Tendon
+from cayley.model.rod_loads import Buoyancy, Decay, Density, Distributed, Drag, ImposedStrain, Pressure, Tendon
 from cayley.steppers.still import Still
 from cayley.system.groups import groups_of
 from cayley.system.system import System
@@ -171,7 +171,7 @@ def _at(load: Load, time: float) -> Load | None:
         return None
     if isinstance(load, Density):
         return replace(load, force=lambda q, c: _pairs(load, q, c, time, 1.0), start=0.0, until=np.inf)
-    if isinstance(load, Buoyancy):
+    if isinstance(load, Buoyancy | Decay):
         return _changed(load, {})
     name = _VALUES[type(load)]
     kept = getattr(load, name)
@@ -193,6 +193,8 @@ def _multiplied(owner: str, model: Model, load: Load, time: float) -> Load:
         gravity = sum((g.at(time) for g in model.loads if isinstance(g, Gravity)), start=np.zeros(3))
         lift = -load.density * load.area * gravity
         return Distributed(rod=load.rod, value=lambda s, t: t * lift)
+    if isinstance(load, Decay):
+        return _changed(load, {})  # nothing at rest
     if isinstance(load, Drag):
         raise ValueError(f'{owner}: {load} has no value to multiply; let its velocity depend on t and give "time"')
     assert isinstance(load, RodLoad)

@@ -1,9 +1,9 @@
 """Discrete Euler-Lagrange equations of a Lagrangian under a rule, as programs for the compiler."""
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from cayley.density import Density
 from cayley.discrete.embedded import POINT_PROGRAMS, point_program
@@ -17,6 +17,8 @@ from cayley.discrete.rows import Rows, assign_rows
 from cayley.discrete.rules import Rule
 from cayley.discrete.solve import Block
 from cayley.discrete.writer import UNIFORMS, Writer
+
+Derived = TypeVar("Derived")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,13 @@ class DiscreteEquations:
             else:
                 self._derived[name] = (ForcedWriter if self.forced else Writer)(self).write(name)
         return self._derived[name]
+
+    def once(self, name: str, make: Callable[[], Derived]) -> Derived:
+        """Something else that these equations determine, made when first asked for, and once for all equal ones."""
+        if name not in self._derived:
+            self._derived[name] = make()
+        found: Derived = self._derived[name]
+        return found
 
     @property
     def forced(self) -> bool:

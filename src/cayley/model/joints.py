@@ -39,12 +39,13 @@ KINDS: dict[str, tuple[str, ...]] = {
     "guide": (),
     "roller": (),
     "drive": ("position", "rotation"),
+    "sleeve": ("position", "rotation"),
 }
-"""What of each kind can be prescribed. Guide, roller and drive are supports: the second side is the ground."""
-ALONG = ("hinge", "slider", "cylindrical", "planar", "universal", "guide", "roller")
+"""What of each kind can be prescribed. Guide, roller, drive and sleeve are supports: the second side is the ground."""
+ALONG = ("hinge", "slider", "cylindrical", "planar", "universal", "guide", "roller", "sleeve")
 """Kinds with an axis."""
 KEPT: dict[str, tuple[int, ...]] = {"slider": (0, 1), "cylindrical": (0, 1), "guide": (0, 1), "planar": (2,)}
-KEPT |= {"roller": (2,), "link": ()}
+KEPT |= {"sleeve": (0, 1), "roller": (2,), "link": ()}
 """Which components of the distance of the two points, in the joint frame, a kind keeps at zero; of others, all."""
 _UNITS = {"angle": (1, "rad"), "displacement": (1, "m"), "position": (3, "m"), "rotation": (3, "rad")}
 
@@ -60,8 +61,8 @@ class Joint(Tie):
         kind: a word of KINDS.
         first: a port.
         second: another, or the ground.
-        axis: unit vector in space, at the start: what a hinge turns about, a slider moves along, the normal of a
-            plane; of a universal joint the axis fixed in the first part.
+        axis: unit vector in space, at the start: what a hinge turns about, a slider or sleeve moves along, the normal
+            of a plane; of a universal joint the axis fixed in the first part.
         other: of a universal joint, the axis fixed in the second part, perpendicular to the first one.
         length: of a link [m].
         angle: prescribed turn about the axis [rad].
@@ -190,7 +191,7 @@ class Joint(Tie):
                 right = f"perpendicular to axis = {self.axis!r}"
                 raise ValueError(validate.wrong(str(self), "other", self.other, right))
             object.__setattr__(self, "other", other)
-        if self.kind in ("guide", "roller", "drive") and not self.grounded:
+        if self.kind in ("guide", "roller", "drive", "sleeve") and not self.grounded:
             raise ValueError(f"{self}: a {self.kind} is a support; its second side is the ground")
 
     def _check_start(self) -> None:

@@ -18,6 +18,7 @@ from cayley.model.rod import Rod
 from cayley.model.rod_loads import RodLoad
 from cayley.model.spread import (
     buoyancy,
+    decay,
     density,
     distributed,
     drag,
@@ -34,6 +35,7 @@ __all__ = [
     "PointLoad",
     "RodLoad",
     "buoyancy",
+    "decay",
     "density",
     "distributed",
     "drag",

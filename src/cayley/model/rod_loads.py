@@ -14,7 +14,7 @@ import numpy as np
 from cayley.model import validate
 from cayley.model.rod import Rod
 
-__all__ = ["Buoyancy", "Density", "Distributed", "Drag", "ImposedStrain", "Pressure", "RodLoad", "Tendon"]
+__all__ = ["Buoyancy", "Decay", "Density", "Distributed", "Drag", "ImposedStrain", "Pressure", "RodLoad", "Tendon"]
 
 Function = Callable[..., Any]
 
@@ -211,6 +211,32 @@ class Drag(RodLoad):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Decay(RodLoad):
+    """Forces −α m ẋ and moments −α J ω, under which all motion of a rod decays; made by `loads.decay`.
+
+    Attributes:
+        rod: the rod.
+        rate: α [1/s].
+        start: first time at which it acts [s].
+        until: time from which it acts no more [s].
+    """
+
+    kind: ClassVar[str] = "decay"
+    rod: Rod
+    rate: float
+    start: float = 0.0
+    until: float = math.inf
+
+    def __post_init__(self) -> None:
+        """Check all values."""
+        self._settle()
+        self._set(rate=validate.positive(str(self), "rate", self.rate, "1/s"))
+
+    def _values(self) -> str:
+        return f"{self.rate:g} 1/s"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Buoyancy(RodLoad):
     """Lift of a fluid all around the rod, f = −ρ A g per unstressed length, g of the model; made by `loads.buoyancy`.
 
@@ -346,7 +372,7 @@ class Density(RodLoad):
 
 
 KINDS: dict[str, type[RodLoad]] = {
-    made.kind: made for made in (Distributed, Pressure, Drag, Buoyancy, ImposedStrain, Tendon, Density)
+    made.kind: made for made in (Distributed, Pressure, Drag, Decay, Buoyancy, ImposedStrain, Tendon, Density)
 }
 """Loads along rods by their kind."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -278,18 +278,11 @@ class Mesh(Obstacle):
         self._set(vertices=vertices, triangles=triangles, surface=surfaces.surface(self.label, vertices, triangles))
 
     @classmethod
-    def read(
-        cls, path: Any, *, scale: float = 1.0, center: Any = ORIGIN, rotation: Any = UNTURNED, **others: Any
-    ) -> Mesh:
+    def read(cls, path: Any, **others: Any) -> Mesh:
         """A mesh from a file: STL, OBJ, PLY and all others that meshio reads; triangles and quadrilaterals.
-
-        x = center + Λ(rotation) scale · vertex
 
         Args:
             path: the file; its ending says the format.
-            scale: meters in a unit of the file [m], such as 1e-3 for millimeters.
-            center: where its origin comes to lie [m].
-            rotation: a unit quaternion (wxyz) or a rotation matrix.
             **others: on, friction and name, as of Mesh.
 
         Raises:
@@ -297,17 +290,32 @@ class Mesh(Obstacle):
             FileNotFoundError: there is no such file.
             ValueError: the file has no triangles, or no format that meshio reads; else as for Mesh.
         """
-        points, triangles = mesh_file.read(path)
-        factor = validate.positive("Mesh.read", "scale", scale, "m")
-        turn = unit_quaternion("Mesh.read", "rotation", rotation)
-        moved = quaternion.rotate(turn, factor * points) + validate.vector("Mesh.read", "center", center, "m")
-        return cls(moved, triangles, **others)
+        return cls(*mesh_file.read(path), **others)
+
+    def placed(self, *, scale: float = 1.0, center: Any = ORIGIN, rotation: Any = UNTURNED) -> Mesh:
+        """The same mesh of another size, elsewhere and turned.
+
+        x = center + Λ(rotation) scale · vertex
+
+        Args:
+            scale: 1e-3 for a file in millimeters.
+            center: where its origin comes to lie [m].
+            rotation: a unit quaternion (wxyz) or a rotation matrix.
+
+        Raises:
+            TypeError: something has the wrong type.
+            ValueError: something is out of range.
+        """
+        factor = validate.positive(self.label, "scale", scale, "-")
+        shift = validate.vector(self.label, "center", center, "m")
+        turn = unit_quaternion(self.label, "rotation", rotation)
+        return replace(self, vertices=quaternion.rotate(turn, factor * self.vertices) + shift)
 
     @property
     def geometry(self) -> str:
         """Numbers of vertices and triangles."""
-        closed = "closed" if self.closed else "open"
-        return f"{closed}, {len(self.vertices)} vertices, {len(self.triangles)} triangles"
+        closed, count = "closed" if self.closed else "open", len(self.triangles)
+        return f"{closed}, {len(self.vertices)} vertices, {count} {'triangle' if count == 1 else 'triangles'}"
 
     @property
     def normals(self) -> Array:

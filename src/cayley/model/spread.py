@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cayley.model import rod_loads, validate
 from cayley.model.rod import Rod
 
-__all__ = ["buoyancy", "density", "distributed", "drag", "imposed_strain", "pressure", "temperature", "tendon"]
+__all__ = ["buoyancy", "decay", "density", "distributed", "drag", "imposed_strain", "pressure", "temperature", "tendon"]
 
 
 def distributed(
@@ -101,6 +101,22 @@ def drag(
         start=start,
         until=until,
     )
+
+
+def decay(rod: Rod, rate: float, *, start: float = 0.0, until: float = math.inf) -> rod_loads.Decay:
+    """Damping −α m ẋ, −α J ω for some time, as damping.mass_proportional has it for all times.
+
+    Args:
+        rod: the rod.
+        rate: α [1/s]; motion of a frequency ω decays fastest with α = 2ω.
+        start: first time at which it acts [s].
+        until: time from which it acts no more [s].
+
+    Raises:
+        TypeError: a value has the wrong type.
+        ValueError: a value is not positive.
+    """
+    return rod_loads.Decay(rod=rod, rate=rate, start=start, until=until)
 
 
 def buoyancy(

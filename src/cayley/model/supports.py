@@ -162,8 +162,8 @@ def roll(port: Port, normal: Any, *, name: str = "") -> Joint:
     return Joint(kind="roller", first=port, second=ground, axis=normal, name=name)
 
 
-def drive(port: Port, *, position: Any = None, rotation: Any = None, name: str = "") -> Joint:
-    """Move a port as prescribed; what is not given stays free.
+def drive(port: Port, *, position: Any = None, rotation: Any = None, along: Any = None, name: str = "") -> Joint:
+    """Move a port as prescribed; what is not given stays free, or with ``along`` all but the way along an axis is held.
 
     x(t) = x(0) + position(t),   p(t) = exp(rotation(t)) p(0)
 
@@ -172,12 +172,18 @@ def drive(port: Port, *, position: Any = None, rotation: Any = None, name: str =
         position: displacement in space [m], (3,): a function of the time [s], a Table, or (times, values); zero at the
             start.
         rotation: rotation vector in space [rad], (3,), likewise.
+        along: an axis in space along which the port slides freely, as in a sleeve that is moved and turned; what
+            position says along it is without effect, and without position or rotation it does not shift or turn.
         name: in listings and results.
 
     Raises:
         TypeError: a value has the wrong type.
-        ValueError: nothing is given, or it is not zero at the start.
+        ValueError: nothing is given, it is not zero at the start, or the axis is zero.
     """
+    if along is not None:
+        return Joint(
+            kind="sleeve", first=port, second=ground, axis=along, position=position, rotation=rotation, name=name
+        )
     if position is None and rotation is None:
         raise ValueError(f"drive of {port}: nothing is prescribed; give position or rotation, or hold the node")
     return Joint(kind="drive", first=port, second=ground, position=position, rotation=rotation, name=name)

@@ -49,7 +49,7 @@ def _obstacles(model: Model) -> list[str]:
     for name, obstacle in zip(model.obstacle_names, model.obstacles, strict=True):
         carrier = "" if obstacle.on is None else f", on {model.name_of(obstacle.on)}"
         friction = "" if obstacle.friction is None else f", friction {obstacle.friction:g}"
-        kind = "" if name == obstacle.kind else f"{obstacle.kind} "
+        kind = "" if name == obstacle.kind else f"{obstacle.kind}, "
         found.append(f"{name}: {kind}{obstacle.geometry}{carrier}{friction}")
     return found
 

@@ -12,6 +12,7 @@ from cayley.model.loads import Gravity, LineLoad, Load, PointLoad
 from cayley.model.rod_loads import KINDS, RodLoad
 from cayley.model.stations import Stations
 from cayley.model.supports import Support
+from cayley.results.contact_record import contact_from, contact_record
 from cayley.results.forces_record import damping_from, damping_record, rod_load_from, rod_load_record
 from cayley.results.tie_record import (
     part_record,
@@ -35,7 +36,10 @@ def model_record(model: Model) -> dict[str, Any]:
             sections.setdefault(id(section), section)
     numbers = {identity: k for k, identity in enumerate(sections)}
     return {
-        "sections": [_section_record(section) for section in sections.values()],
+        "sections": [
+            _section_record(section) | ({} if model.contact is None else {"radius": section.radius})
+            for section in sections.values()
+        ],
         "rods": [_rod_record(rod) | {"section": _numbered(rod.stations, numbers)} for rod in model.rods],
         "supports": [
             {
@@ -48,6 +52,7 @@ def model_record(model: Model) -> dict[str, Any]:
         "loads": [_load_record(load, model) for load in model.loads],
         **parts_record(model),
         **ties_record(model),
+        **contact_record(model),
     }
 
 
@@ -70,8 +75,8 @@ def model_from(
     pairs = zip(record["loads"], functions, strict=True)
     loads = [_load_from(given, rods, parts, function) for given, function in pairs]
     ties = ties_from(record, parts, motions or {})
-    held = [*supports, *ties["guides"]]
-    return Model(*parts, supports=held, joints=ties["joints"], springs=ties["springs"], loads=loads)
+    held, touching = [*supports, *ties["guides"]], contact_from(record, parts)
+    return Model(*parts, supports=held, joints=ties["joints"], springs=ties["springs"], loads=loads, **touching)
 
 
 def name_of(part: Any, model: Model | None) -> str | None:

@@ -16,6 +16,7 @@ from cayley.results.forces_record import Unstored
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
+from cayley.results.residual import residual_speed
 from cayley.system.discretize import discretize
 from cayley.system.system import State, System
 
@@ -143,22 +144,38 @@ class Trajectory:
         """The last state, to go on from."""
         return self.frames.state()
 
+    @property
+    def residual(self) -> float:
+        """Largest speed of a node at the last frame, over the length of its rod [1/s]: how far from rest it is."""
+        return residual_speed(self.system, self.state, self.model, self.spans)
+
+    def poses(self, part: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and rotations of a part's nodes alone, for programs: nothing else is evaluated.
+
+        Args:
+            part: a rod or body of the model, or its name.
+
+        Returns: positions [m], shape (frames, nodes, 3), and unit quaternions wxyz, shape (frames, nodes, 4).
+
+        Raises:
+            KeyError: there is no such part.
+        """
+        nodes = self._parts[self._name_of(part)]
+        return self._values("x")[:, nodes], self._rotation("p")[:, nodes]
+
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name."""
         from cayley.results.body import body_dataset, own_dataset
-        from cayley.results.record import name_of
         from cayley.results.rod import rod_dataset
 
-        name = part if isinstance(part, str) else name_of(part, self.model)
-        if name not in self._parts:
-            raise KeyError(f"the run has no part {part!r}; it has {', '.join(self._parts) or 'none (use run.data)'}")
+        name = self._name_of(part)
         nodes = self._parts[name]
-        own = self._part(str(name))
+        own = self._part(name)
         if isinstance(own, LagrangianPart):
-            return own_dataset(self, nodes, str(name))
+            return own_dataset(self, nodes, name)
         if isinstance(own, Body | PointMass):
-            return body_dataset(self, nodes.start, str(name))
-        return rod_dataset(self, nodes, str(name))
+            return body_dataset(self, nodes.start, name)
+        return rod_dataset(self, nodes, name)
 
     def port(self, part: Any, name: str | None = None) -> "xr.Dataset":
         """Motion of a port: position, rotation of its frame, velocity, angular velocity about its axes.
@@ -444,6 +461,19 @@ class Trajectory:
     def _want_all(self) -> None:
         if self.only is not None:
             raise ValueError("momenta are sums over all nodes, and this run saved some of them only (save_only)")
+
+    def _name_of(self, part: Any) -> str:
+        """Name of a part, given itself or by name.
+
+        Raises:
+            KeyError: there is no such part.
+        """
+        from cayley.results.record import name_of
+
+        name = part if isinstance(part, str) else name_of(part, self.model)
+        if name not in self._parts:
+            raise KeyError(f"the run has no part {part!r}; it has {', '.join(self._parts) or 'none (use run.data)'}")
+        return str(name)
 
     def _part(self, name: str) -> Any:
         return dict(zip(self.model.names, self.model.parts, strict=True)).get(name) if self.model else None

@@ -14,9 +14,11 @@ from cayley.discrete import rules
 from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.model.loads import Gravity
+from cayley.model.settling import settling
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import WriteError, add_info
 from cayley.simulation.failure import Interrupted, SimulationError
+from cayley.simulation.rest import Settled, SettleError, settle
 from cayley.simulation.restart import resume
 from cayley.simulation.run import run as _run
 from cayley.simulation.run import span_of
@@ -47,6 +49,7 @@ def simulate(
     start: Any = None,
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
+    settle: bool | float = False,
     balance: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
@@ -75,6 +78,9 @@ def simulate(
         initial: rod or its name -> position, rotation, velocity, angular_velocity (body frame), momentum,
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
         rotation: "quaternion" or "matrix".
+        settle: True: for the sake of where the motion ends, all rods are damped by −α m ẋ, −α J ω with α twice the
+            slowest frequency; a number: with this α [1/s]. run.residual tells how fast they still move at the end;
+            cy.settle goes straight to rest.
         balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the
             Lagrangian it is kept anyway.
         allow_unstable: run even with a step over the limit.
@@ -98,6 +104,7 @@ def simulate(
         )
     if rule is not None and not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
+    model = _settling(model, settle)
     begin = start_of_model(model, rotation, initial, start=start, account=balance)
 
     saves = _saves(save_every, save_steps, save_at, store, overwrite=overwrite)
@@ -205,6 +212,13 @@ def integrate(
     return _run_chosen(_task(lambda _: (system, state), t_end, save_every, accuracy, rule), [rule], run)
 
 
+def _settling(model: Model, settle: bool | float) -> Model:
+    """The model, damped if that is wanted."""
+    if settle is False:
+        return model
+    return settling(model, None if settle is True else settle)
+
+
 def _saves(
     every: float | None, steps: int | None, at: Sequence[float] | None, store: str | Path | None, *, overwrite: bool
 ) -> Saves:
@@ -273,11 +287,14 @@ __all__ = [
     "Choice",
     "Interrupted",
     "Schedule",
+    "SettleError",
+    "Settled",
     "SimulationError",
     "WriteError",
     "advise",
     "integrate",
     "resume",
     "schedule",
+    "settle",
     "simulate",
 ]

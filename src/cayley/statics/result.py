@@ -76,6 +76,11 @@ class Equilibrium:
         """Fields of one rod or body, given itself or by name, as those of a run without the time."""
         return self.frame[part].isel(time=0)
 
+    def poses(self, part: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and unit quaternions wxyz of a part's nodes alone, see Trajectory.poses."""
+        position, rotation = self.frame.poses(part)
+        return position[0], rotation[0]
+
     def port(self, part: Any, name: str | None = None) -> "xr.Dataset":
         """Place and frame of a port, see Trajectory.port."""
         return self.frame.port(part, name).isel(time=0)

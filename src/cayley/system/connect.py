@@ -20,6 +20,10 @@ _PRESCRIBED = {
     ("drive", "position"): "ball",
     ("drive", "rotation"): "orientation",
     ("drive", "position", "rotation"): "weld",
+    ("sleeve",): "slider",
+    ("sleeve", "position"): "slider",
+    ("sleeve", "rotation"): "slider",
+    ("sleeve", "position", "rotation"): "slider",
 }
 """What is left of a joint where some of its freedom is prescribed; a link stays one."""
 
@@ -95,13 +99,15 @@ def _at_start(joint: Joint, given: np.ndarray) -> np.ndarray:
 
 
 def _drive(joint: Joint) -> Callable[[np.ndarray], np.ndarray]:
-    """D and r of a joint at times (m,), shape (m, 7)."""
+    """D and r of a joint at times (m,), shape (m, 7), seen from its frame; that of a drive is space."""
 
     def drive(times: np.ndarray) -> np.ndarray:
         found = np.tile(STILL, (len(times), 1))
         found[:, 2] = joint.motion("displacement", times)[:, 0]
         found[:, :3] += joint.motion("position", times)
         turn = joint.motion("rotation", times)
+        if joint.kind == "sleeve":
+            found[:, :3], turn = (np.asarray(quaternion.inverse_rotate(joint.frame, v)) for v in (found[:, :3], turn))
         turn[:, 2] += joint.motion("angle", times)[:, 0]
         found[:, 3:] = exponential.exp(turn)
         return found

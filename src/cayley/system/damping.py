@@ -7,6 +7,7 @@ import numpy as np
 
 from cayley.density.expression import Expression, symbols, to_sx, wrap
 from cayley.density.force import KINDS
+from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.forcing import TINY, element_forcing, node_forcing
 from cayley.discrete.node import tangent
 from cayley.discrete.places import constants_at, placed
@@ -29,8 +30,20 @@ def forced_matrices(
 
     Returns: stiffness and damping, each of elements (nodes, (m + 1) d, (m + 1) d) and of nodes (nodes, d, d).
     """
-    equations, layout = system.equations, system.layout
-    density, count = equations.density, equations.rows.cell + 1
+    equations = system.equations
+    function = equations.once("forced linearization", lambda: _linearization(equations))
+    count = equations.rows.cell + 1
+    others = TINY + np.column_stack([np.roll(rates, -k, axis=0) for k in range(count)])
+    numbers = [np.asarray(m) for m in function(np.column_stack([inputs, others]).T)]
+    made = [_symmetric(m, len(inputs)) for m in numbers]
+    for k in (0, 2):
+        made[k][lengths == 0.0] = 0.0
+    return (made[0], made[1]), (made[2], made[3])
+
+
+def _linearization(equations: DiscreteEquations) -> ca.Function:
+    """−∂F/∂q and −∂F/∂q̇ of an element and of a node, as a function of rows of inputs and velocities."""
+    density, layout, count = equations.density, equations.layout, equations.rows.cell + 1
     ends = [symbols(f"end{k}", layout.rows) for k in range(count)]
     moving = [symbols(f"rate{k}", layout.dofs) for k in range(count)]
     names: dict[str, Any] = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
@@ -54,13 +67,7 @@ def forced_matrices(
         -ca.jacobian(of_node, v)[:, :d],
     ]
     symbols_of = ca.vertcat(q, _joined(list(names.values())), density.parameters, *extra.values(), v)
-    function = ca.Function("forced", [symbols_of], [ca.densify(o) for o in outputs])
-    others = TINY + np.column_stack([np.roll(rates, -k, axis=0) for k in range(count)])
-    numbers = [np.asarray(m) for m in function(np.column_stack([inputs, others]).T)]
-    made = [_symmetric(m, len(inputs)) for m in numbers]
-    for k in (0, 2):
-        made[k][lengths == 0.0] = 0.0
-    return (made[0], made[1]), (made[2], made[3])
+    return ca.Function("forced", [symbols_of], [ca.densify(o) for o in outputs])
 
 
 def _joined(values: list[Expression]) -> ca.SX:

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 
 from cayley.density.expression import symbols, to_sx, wrap
+from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.node import node_point
 from cayley.discrete.representation import continuous
 from cayley.system.system import State, System, by_node, joined, pack, split
@@ -73,7 +74,19 @@ def momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: f
 
 
 def _momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: float) -> np.ndarray:
-    layout, density = system.layout, system.equations.density
+    equations, layout, density = system.equations, system.layout, system.equations.density
+    function = equations.once("momenta", lambda: _momenta_function(equations))
+    known = dict(zip(equations.uniforms, system.uniforms, strict=True))
+    n = system.size
+    columns = [system.named.get("here", np.zeros(n)), np.full(n, time), system.named["weight"]]
+    constants = [np.broadcast_to(system.named.get(k, known.get(k, 0.0)), n) for k in density.names]
+    rows = np.column_stack([values, velocity, *columns, *constants])
+    return np.array(function(rows.T)).T.reshape(n, layout.dofs)
+
+
+def _momenta_function(equations: DiscreteEquations) -> ca.Function:
+    """Weight × ∂T/∂q̇ as a function of rows (values, velocities, s, t, weight, constants)."""
+    layout, density = equations.layout, equations.density
     node, v = symbols("q", layout.rows), symbols("v", layout.dofs)
     here, t, weight = (wrap(ca.SX.sym(name)) for name in ("here", "t", "weight"))
     point = node_point(layout, node, density.lagrangian.interval, {"here": here, "t": t})
@@ -81,10 +94,4 @@ def _momenta_of(system: System, values: np.ndarray, velocity: np.ndarray, time: 
     gradient = density.gradient("inertia", point)
     momentum = ca.vertcat(*[to_sx(gradient[f"{name}_t"] * weight) for name in layout.fields])
     inputs = ca.vertcat(*[to_sx(e) for e in (node, v, here, t, weight)], density.parameters)
-    known = dict(zip(system.equations.uniforms, system.uniforms, strict=True))
-    n = system.size
-    columns = [system.named.get("here", np.zeros(n)), np.full(n, time), system.named["weight"]]
-    constants = [np.broadcast_to(system.named.get(k, known.get(k, 0.0)), n) for k in density.names]
-    rows = np.column_stack([values, velocity, *columns, *constants])
-    found = ca.Function("momenta", [inputs], [ca.densify(momentum)])(rows.T)
-    return np.array(found).T.reshape(n, layout.dofs)
+    return ca.Function("momenta", [inputs], [ca.densify(momentum)])

@@ -21,6 +21,7 @@ from cayley.model.damping import Damping
 from cayley.model.loads import Gravity
 from cayley.model.rod_loads import (
     Buoyancy,
+    Decay,
     Density,
     Distributed,
     Drag,
@@ -167,14 +168,21 @@ def _damping(damping: Damping, constrained: int) -> list[Fragment]:
 
         found.append(Fragment(("viscosity",), {"viscosity": viscosity}, viscous))
     if damping.decay:
-
-        def decay(q: Any, c: Any, own: Any) -> Pairs:
-            linear = c.mass * q.x_t + q.p.rotate(cross(q.p_t, c.first_moment))
-            angular = c.inertia @ q.p_t + cross(c.first_moment, q.p.inverse_rotate(q.x_t))
-            return [(-own.decay * linear, q.x), (-own.decay * angular, q.p)]
-
-        found.append(Fragment(("decay",), {"decay": np.asarray(damping.decay)}, decay))
+        found.append(_decaying(damping.decay))
     return found
+
+
+def _decaying(rate: float) -> Fragment:
+    def decay(q: Any, c: Any, own: Any) -> Pairs:
+        linear = c.mass * q.x_t + q.p.rotate(cross(q.p_t, c.first_moment))
+        angular = c.inertia @ q.p_t + cross(c.first_moment, q.p.inverse_rotate(q.x_t))
+        return [(-own.decay * linear, q.x), (-own.decay * angular, q.p)]
+
+    return Fragment(("decay",), {"decay": np.asarray(rate)}, decay)
+
+
+def _decay(load: Decay, constrained: int, gravity: np.ndarray) -> Fragment:
+    return _decaying(load.rate)
 
 
 def _value(given: Any, name: str, size: int | None, load: RodLoad) -> tuple[Any, dict[str, Any], Callable[..., Any]]:
@@ -292,6 +300,7 @@ _FRAGMENTS: dict[type[RodLoad], Callable[[Any, int, np.ndarray], Fragment]] = {
     Distributed: _distributed,
     Pressure: _pressure,
     Drag: _drag,
+    Decay: _decay,
     Buoyancy: _buoyancy,
     ImposedStrain: _imposed_strain,
     Tendon: _tendon,

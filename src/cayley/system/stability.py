@@ -6,6 +6,7 @@ from scipy.sparse import csc_array
 
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
+from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import mass_matrix, node_load, node_point, tangent
 from cayley.discrete.places import constants_at, placed
@@ -116,13 +117,12 @@ def _highest(
     return _certify(bands, ties, bound)
 
 
-def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, Matrices]:
-    """Masses of nodes (n, d, d); stiffness of elements, each at its first node, and of node loads (n, d, d).
+def _linearization(equations: DiscreteEquations) -> tuple[ca.Function, np.ndarray, bool]:
+    """Mass, stiffness of node loads, stiffness of an element as a function of rows of inputs (see _inputs).
 
-    Elements of degree m have matrices of size (m + 1) d.
+    Returns: the function, which inputs it does not use, and whether it depends on where vectors are.
     """
-    equations, layout = system.equations, system.layout
-    density = equations.density
+    density, layout = equations.density, equations.layout
     along = density.lagrangian.interval
     ends = [symbols(f"end{k}", layout.rows) for k in range(equations.rule.cell + 1)]
     names = {n: wrap(ca.SX.sym(n)) for n in ("inverse", "left", "right", "t", "weight", "length")}
@@ -145,23 +145,34 @@ def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, Matrices]
         outputs.append(-ca.jacobian(both, ca.vertcat(*[to_sx(e) for e in ends])) @ turn)
     columns = [*(to_sx(e) for e in ends), *(to_sx(v) for v in names.values()), density.parameters, *extra.values()]
     inputs = ca.vertcat(*columns)
-    function = ca.Function("linearized", [inputs], [ca.densify(o) for o in outputs])
-    inputs_at = _inputs(system, values)
     used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs]))}
-    inputs_at[:, [symbol.name() not in used for symbol in ca.vertsplit(inputs)]] = 0.0
+    idle = np.array([symbol.name() not in used for symbol in ca.vertsplit(inputs)])
     vectors = [name for name in layout.fields if name not in layout.rotations]
     places_count = not vectors or density.depends("strain", *vectors)
     if not places_count:
         left = ca.vertcat(*[to_sx(ends[0][layout.rows_of(name)]) for name in vectors])
-        places_count = ca.depends_on(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs[:2]]), left)
+        places_count = bool(ca.depends_on(ca.vertcat(*[ca.vec(ca.densify(o)) for o in outputs[:2]]), left))
+    return ca.Function("linearized", [inputs], [ca.densify(o) for o in outputs]), idle, places_count
+
+
+def _matrices(system: System, values: np.ndarray) -> tuple[np.ndarray, Matrices]:
+    """Masses of nodes (n, d, d); stiffness of elements, each at its first node, and of node loads (n, d, d).
+
+    Elements of degree m have matrices of size (m + 1) d.
+    """
+    equations, layout = system.equations, system.layout
+    function, idle, places_count = equations.once("linearization", lambda: _linearization(equations))
+    inputs_at, ends = _inputs(system, values), equations.rule.cell + 1
+    inputs_at[:, idle] = 0.0
     if not places_count:
-        inputs_at = _shifted(layout, inputs_at, len(ends))
+        inputs_at = _shifted(layout, inputs_at, ends)
     scale = np.abs(inputs_at).max(axis=0)
     alike = (inputs_at / np.where(scale > 0.0, scale, 1.0)).round(12)
     _, first, again = np.unique(alike, axis=0, return_index=True, return_inverse=True)  # congruent elements
-    width = len(ends) * layout.dofs
+    width = ends * layout.dofs
     shaped = [_batch(np.asarray(m), len(first))[again.reshape(-1)] for m in function(inputs_at[first].T)]
     masses, loads = shaped[0], shaped[1]
+    along = equations.density.lagrangian.interval
     elements = shaped[2] if along is not None else np.zeros((system.size, width, width))
     elements[_lengths(system) == 0.0] = 0.0
     return masses, (0.5 * (elements + elements.transpose(0, 2, 1)), 0.5 * (loads + loads.transpose(0, 2, 1)))

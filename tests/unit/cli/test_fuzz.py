@@ -16,11 +16,12 @@ MALFORMED = 500
 WORDS = (
     *("rod", "section", "material", "support", "load", "joint", "body", "run", "kind", "at", "value", "length", "name"),
     *("elements", "direction", "t_end", "dt", "rule", "accuracy", "first", "second", "until", "frame", "shape"),
+    *("obstacle", "contact", "on", "normal", "radius", "friction", "without", "radii", "file", "triangles"),
 )
 VALUES = (
     *('"clamp"', '"x"', '""', "0", "-1", "1e400", "nan", "inf", "[]", "[1]", "[1, 2, 3]", "true", "{}"),
     *("[[1, 2], [3]]", '"beam.start"', '"nowhere.end"', '"2*t"', '"__import__(1)"', '"t**t**t"', "1979-05-27"),
-    *('"verlet"', "99999999999999999999"),
+    *('"verlet"', "99999999999999999999", '"mesh"', '"plane"', '[["rope", "floor"]]', '"no.stl"', "{rope = 1}"),
 )
 
 

@@ -79,8 +79,8 @@ def test_listing(rod, strip, drum):
     assert str(model).splitlines()[5:] == [
         "  obstacles",
         "    plane: through (0, 0, 0), normal (0, 0, 1), friction 0.5",
-        "    shell: cylinder radius 0.1 m, length 1 m, center (0, 0, 0), axis (0, 0, 1), on drum",
-        "    plane2: plane through (0, 0, 0), normal (0, 0, 1)",
+        "    shell: cylinder, radius 0.1 m, length 1 m, center (0, 0, 0), axis (0, 0, 1), on drum",
+        "    plane2: plane, through (0, 0, 0), normal (0, 0, 1)",
         "  contact",
         "    friction 0.3, penetration 0.01 radii, damping 0.05, self-contact of 1 rod",
         "    radius of strip: 0.02 m",

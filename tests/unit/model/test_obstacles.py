@@ -71,7 +71,7 @@ def test_files(tmp_path, ending):
     box, path = Box((1, 2, 3)).mesh, tmp_path / f"box.{ending}"
     with np.errstate(invalid="ignore"):  # the normal of a triangle that has a corner twice
         meshio.write_points_cells(path, 1e3 * box.vertices, [("triangle", np.vstack([box.triangles, [[0, 0, 1]]]))])
-    mesh = Mesh.read(path, scale=1e-3, center=(1, 0, 0), rotation=TURN, name="block")
+    mesh = Mesh.read(path, name="block").placed(scale=1e-3, center=(1, 0, 0), rotation=TURN)
     assert (len(mesh.vertices), len(mesh.triangles), mesh.closed, mesh.name) == (8, 12, True, "block")
     assert mesh.volume == pytest.approx(6.0)
     assert_allclose(mesh.vertices.mean(axis=0), [1, 0, 0], atol=1e-9)

@@ -21,6 +21,7 @@ def damped_model(*more):
         loads.gravity((0, 0, -9.81)),
         loads.drag(rod, density=1.2, diameter=0.1, tangential=0.1, velocity=(1.0, 0.0, 2.0)),
         loads.buoyancy(rod, density=1.2, area=0.01),
+        loads.decay(rod, 3.0, until=0.015),
         loads.tendon(rod, 20.0, offset=(0.03, 0, 0), until=0.5),
         loads.temperature(rod, 20.0, expansion=1e-4),
         loads.pressure(rod, 2.0, axis="d2", start=0.1),

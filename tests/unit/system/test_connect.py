@@ -89,6 +89,8 @@ def test_closed_at_the_start(kind, rule):
         (supports.drive(EYE, position=moved), "ball"),
         (supports.drive(EYE, rotation=moved), "orientation"),
         (supports.drive(EYE, position=moved, rotation=moved), "weld"),
+        (supports.drive(EYE, position=moved, rotation=moved, along=AXIS), "slider"),
+        (supports.drive(EYE, rotation=moved, along=AXIS), "slider"),
         (joints.cylindrical(EYE, axis=AXIS, angle=angle), "slider"),
         (joints.cylindrical(EYE, axis=AXIS, displacement=angle), "hinge"),
         (joints.cylindrical(EYE, axis=AXIS, displacement=angle, angle=angle), "weld"),
@@ -115,6 +117,9 @@ def test_motion_seen_from_the_ground(guide, kind):
     values = np.concatenate([p, x])[None]
     assert_allclose(violation(system, values, time), 0.0, atol=1e-13)
     assert_allclose(violation(system, system.reference), 0.0, atol=1e-13)
+    if guide.kind == "sleeve":
+        along = values + np.concatenate([np.zeros(4), 0.3 * AXIS])
+        assert_allclose(violation(system, along, time), 0.0, atol=1e-13)
     if guide.driven:
         assert np.abs(violation(system, system.reference, time)).max() > 0.1
 

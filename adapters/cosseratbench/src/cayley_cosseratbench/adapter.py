@@ -1,0 +1,151 @@
+"""The solver that cosseratbench finds: it chooses a way, and the library its rule, step and damping."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import cayley as cy
+import cosseratbench.scenario as suite
+from cayley.discrete.rules import Rule
+from cayley.model.settling import slowest_frequency
+from cayley.simulation import advise
+from cayley.simulation.run import SAFETY
+from cayley.simulation.start import start_of_model
+from cayley_cosseratbench.start import element_directors
+from cayley_cosseratbench.translate import Translation, touches, translate
+from cosseratbench.solver import Capability, Diverged
+from cosseratbench.trajectory import Trajectory
+
+ACCURACY = 1e-5
+"""Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
+STATICS, DAMPED, MOTION, TOUCHING = "statics", "damped run", "motion", "motion with contact"
+
+
+def _version() -> str:
+    """Version of the library with a digest of its sources and of this adapter's, so that no saved run outlives them."""
+    digest, folders = hashlib.sha256(), (Path(cy.__file__).parent, Path(__file__).parent)
+    for path in sorted(path for folder in folders for kind in ("py", "c", "h") for path in folder.rglob(f"*.{kind}")):
+        digest.update(path.read_bytes())
+    return f"{cy.__version__}+{digest.hexdigest()[:8]}"
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The way a scenario is solved.
+
+    Args:
+        way: "statics", "damped run", "motion" or "motion with contact".
+        rule: where strain is measured along an element, and steps in time.
+        degree: nodes from one end of an element to the next.
+        elements: of a rod.
+        stride: nodes of the model from one node of the suite to the next.
+    """
+
+    way: str
+    rule: Rule
+    elements: int
+    stride: int = 1
+
+    @property
+    def degree(self) -> int:
+        """Nodes from one end of an element to the next."""
+        return self.rule.degree
+
+
+class CayleySolver:
+    """cayley, with the choices of the library.
+
+    What is quasi-static, not driven and touches nothing is solved by statics. Other quasi-static scenarios are runs with
+    the library's settling damping, of the explicit rule verlet at its step limit. A motion that is the result itself
+    takes elements of degree 2 between the nodes of the suite, with implicit steps of order 4 chosen by ``accuracy``.
+    """
+
+    name = "cayley"
+    backend_version = _version()
+    capabilities = frozenset(Capability)
+
+    def __init__(self, time_step_scale: float = 1.0) -> None:
+        """Take the factor of the step; beyond the limit of explicit rules the implicit rule midpoint takes over."""
+        self.scale = float(time_step_scale)
+
+    def settings(self, scenario: suite.Scenario, *, n_elements: int, n_frames: int) -> dict[str, Any]:
+        """The choices for a scenario, as JSON values."""
+        plan = self._plan(scenario, n_elements)
+        found: dict[str, Any] = {"way": plan.way, "rule": str(plan.rule), "elements": plan.elements}
+        if plan.way == STATICS:
+            return found
+        case = translate(scenario, plan.elements, plan.degree)
+        frame = scenario.duration / (n_frames - 1)
+        step = self._step(scenario, plan, case, frame)
+        rate = 2.0 * slowest_frequency(case.model) if scenario.quasi_static else 0.0
+        return found | {"time_step": frame / np.ceil(frame / step * (1.0 - 1e-12)), "damping_rate": rate}
+
+    def run(self, scenario: suite.Scenario, *, n_elements: int, n_frames: int) -> Trajectory:
+        """Simulate a scenario, see cosseratbench.solver.Solver.
+
+        Raises:
+            Diverged: the run stopped.
+            NotImplementedError: the scenario asks for something that is not there.
+        """
+        plan = self._plan(scenario, n_elements)
+        case = translate(scenario, plan.elements, plan.degree)
+        try:
+            poses = _rest(case, plan) if plan.way == STATICS else self._run(scenario, plan, case, n_frames)
+        except cy.SimulationError as error:
+            raise Diverged(str(error), time=float(error.partial.time[-1])) from error
+        except (cy.EquilibriumError, cy.SettleError) as error:
+            raise Diverged(str(error)) from error
+        times = np.linspace(0.0, scenario.duration, n_frames)
+        if plan.way == STATICS:  # at the start as given, and from then on at rest
+            still = [np.minimum(np.arange(n_frames), 1)] * 2
+            poses = [(x[still[0]], p[still[1]]) for x, p in poses]
+        places = tuple(np.ascontiguousarray(x[:, :: plan.stride]) for x, _ in poses)
+        turns = tuple(element_directors(x, p[:, :: plan.stride]) for x, (_, p) in zip(places, poses, strict=True))
+        return Trajectory(times, places, turns)
+
+    def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
+        driven = any(rod.start_motion or rod.end_motion for rod in scenario.rods)
+        if not scenario.quasi_static and not touches(scenario):
+            even = n_elements % 2 == 0  # an element of degree 2 has a node in its middle
+            rule = cy.rules.galerkin(time=2, space=2)
+            return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
+        if scenario.quasi_static and not touches(scenario) and not driven:
+            return Plan(STATICS, cy.rules.midpoint, n_elements)
+        rule = cy.rules.verlet if self.scale <= 1.0 else cy.rules.midpoint
+        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, n_elements)
+
+    def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:
+        """Upper bound of the step [s]: the library's choice times the scale."""
+        if plan.way == MOTION:
+            options: dict[str, Any] = {"rule": plan.rule, "save_every": frame, "initial": case.initial}
+            return self.scale * advise(case.model, scenario.duration, ACCURACY, **options).best.dt
+        system, state = start_of_model(case.model, "quaternion", case.initial)(cy.rules.verlet)
+        return self.scale * SAFETY * system.stable_dt(state)
+
+    def _run(self, scenario: suite.Scenario, plan: Plan, case: Translation, n_frames: int) -> list[Any]:
+        frame = scenario.duration / (n_frames - 1)
+        step: dict[str, Any] = {}
+        if self.scale != 1.0:
+            step = {"dt": self._step(scenario, plan, case, frame)}
+        elif plan.way == MOTION:
+            step = {"accuracy": ACCURACY}
+        run = cy.simulate(
+            case.model,
+            scenario.duration,
+            rule=plan.rule,
+            save_every=frame,
+            initial=case.initial,
+            settle=scenario.quasi_static,
+            **step,
+        )
+        return [run.poses(rod) for rod in case.rods]
+
+
+def _rest(case: Translation, plan: Plan) -> list[Any]:
+    """Poses at the start and at rest, shape (2, nodes, ...)."""
+    rest = cy.settle(case.model, initial=case.initial, rule=plan.rule)
+    pairs = [((start["position"], start["rotation"]), rest.poses(rod)) for rod, start in case.initial.items()]
+    return [tuple(np.stack(both) for both in zip(*pair, strict=True)) for pair in pairs]
