@@ -86,7 +86,8 @@ class _Draft:
         """Add segments between points."""
         count = len(ends)
         given = {"radius": 0.0, "along": -1, "reach": 0, "round": 1} | more
-        columns = {"ends": ends, "owner": np.full(count, owner), "tail": tail}
+        beyond = given.pop("beyond", np.full((count, 2), -1))
+        columns = {"ends": ends, "beyond": beyond, "owner": np.full(count, owner), "tail": tail}
         columns |= {name: np.broadcast_to(value, (count,)) for name, value in given.items()}
         for name, values in columns.items():
             self.segments.setdefault(name, []).append(np.asarray(values))
@@ -150,7 +151,9 @@ def _add_rod(
     reach = 1 + int(np.ceil(0.8 * np.pi * radius / lengths.min())) if itself else 0
     tail = np.ones(count, dtype=np.int64)
     tail[-1] = 3
-    draft.add_segments(ends, owner, radius=radius, along=np.arange(count), reach=reach, tail=tail)
+    beyond = ends + np.array([-1, 1])
+    beyond[0, 0] = beyond[-1, 1] = -1
+    draft.add_segments(ends, owner, radius=radius, along=np.arange(count), reach=reach, tail=tail, beyond=beyond)
 
 
 def _add_shape(draft: _Draft, owner: int, node: int, shape: Obstacle, *, edged: bool) -> None:
@@ -233,13 +236,13 @@ def _turn_to(axis: Sequence[float]) -> np.ndarray:
 
 def _arrays(draft: _Draft) -> dict[str, np.ndarray]:
     """The arrays of points, segments and solids."""
-    whole = ("ends", "owner", "along", "reach", "round", "tail", "kind", "carrier", "possessor")
+    whole = ("ends", "beyond", "owner", "along", "reach", "round", "tail", "kind", "carrier", "possessor")
     found: dict[str, np.ndarray] = {
         "node": np.concatenate([*draft.node, np.zeros(0, dtype=np.int64)]),
         "offset": np.concatenate([*draft.offset, np.zeros((0, 3))]),
     }
-    for name in ("ends", "radius", "owner", "along", "reach", "round", "tail"):
-        empty = np.zeros((0, 2) if name == "ends" else 0)
+    for name in ("ends", "beyond", "radius", "owner", "along", "reach", "round", "tail"):
+        empty = np.zeros((0, 2) if name in ("ends", "beyond") else 0)
         found[name] = np.concatenate([*draft.segments.get(name, []), empty])
     for name, shape in (("kind", ()), ("carrier", ()), ("possessor", ()), ("frame", (7,)), ("size", (SIZE,)), ("bound", ())):
         found[name] = np.array(draft.solids.get(name, []), dtype=float).reshape(-1, *shape)

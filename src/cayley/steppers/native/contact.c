@@ -149,31 +149,27 @@ static void way_of(const struct contacts *c, const struct scene *x, i64 node, co
     for (i64 k = 0; k < 3; k++) way[k] += part * (p[k] - q[k] + more[k]), turned[k] += 0.5 * fabs(part) * turn[k];
 }
 
-/* Nodes, levers and weights of the two partners: at most four, weights of the second negative. */
+/* Nodes, levers and weights of the two partners: at most eight, weights of the second negative. */
 static i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen,
                 struct foot *foot)
 {
     i64 count = 0;
     for (i64 side = 0; side < 2; side++) {
-        i64 item = side ? t->b : t->a;
-        if (item >= c->segments) {
+        const i64 *points = side ? seen->point_b : seen->point_a;
+        const double *weights = side ? seen->weight_b : seen->weight_a;
+        double arm = side ? seen->arm_b : -seen->arm_a;
+        for (i64 n = 0; n < (side ? seen->count_b : seen->count_a); n++) {
             struct foot *f = foot + count++;
-            const double *place;
-            f->node = c->carrier[item - c->segments], f->weight = -1.0;
-            place = x->values + f->node * c->rows + c->place_row;
-            for (i64 k = 0; k < 3; k++) f->lever[k] = seen->place[k] - place[k];
-            continue;
-        }
-        double s = side ? seen->t : seen->s, arm = side ? seen->arm_b : -seen->arm_a;
-        for (i64 e = 0; e < 2; e++) {
-            i64 point = c->ends[2 * item + e];
-            double weight = e ? s : 1.0 - s;
-            if (weight == 0.0) continue;
-            struct foot *f = foot + count++;
-            f->node = c->node[point], f->weight = side ? -weight : weight;
+            f->node = c->node[points[n]], f->weight = side ? -weights[n] : weights[n];
             const double *place = x->values + f->node * c->rows + c->place_row;
-            for (i64 k = 0; k < 3; k++) f->lever[k] = x->point[3 * point + k] - place[k] + arm * seen->normal[k];
+            for (i64 k = 0; k < 3; k++) f->lever[k] = x->point[3 * points[n] + k] - place[k] + arm * seen->normal[k];
         }
+    }
+    if (t->b >= c->segments) {
+        struct foot *f = foot + count++;
+        f->node = c->carrier[t->b - c->segments], f->weight = -1.0;
+        const double *place = x->values + f->node * c->rows + c->place_row;
+        for (i64 k = 0; k < 3; k++) f->lever[k] = seen->place[k] - place[k];
     }
     return count;
 }
@@ -206,7 +202,7 @@ static void part_from(struct contacts *c, struct touch *t)
 /* One contact of a step: its force, its memory and its account. Returns whether it comes too fast. */
 static i64 step_contact(struct contacts *c, struct scene *x, struct touch *t, const struct seen *seen, double h)
 {
-    struct foot foot[4];
+    struct foot foot[8];
     struct law law;
     double way[3] = {0.0, 0.0, 0.0}, turned[3] = {0.0, 0.0, 0.0}, before[3], slip[3];
     i64 count = feet(c, x, t, seen, foot);
@@ -216,7 +212,7 @@ static i64 step_contact(struct contacts *c, struct scene *x, struct touch *t, co
     /* points that roll in come nearer though the partners do not: what counts is the depth */
     for (i64 k = 0; k < 3; k++) way[k] -= (along + nearer) * seen->normal[k];
     t->depth = seen->depth;
-    if (t->touching && DOT(seen->normal, t->normal) < 0.0 && t->b < c->segments && seen->free_s && seen->free_t) return 1;
+    if (t->touching && DOT(seen->normal, t->normal) < 0.0 && t->b < c->segments && seen->inside) return 1;
     if (t->allowed > 0.0) {
         struct law old;
         law_of(t->stiffness, c->soft * t->unit, seen->depth - t->allowed, &old);

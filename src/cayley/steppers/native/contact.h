@@ -25,8 +25,10 @@ struct touch {
 struct seen {
     double depth;
     double normal[3]; /* from b to a */
-    double s, t;      /* where on the segments, from 0 to 1 */
-    i64 free_s, free_t; /* whether they are inside, so that they move with the ends */
+    i64 count_a, count_b;
+    i64 point_a[4], point_b[4]; /* points that the two centers are means of, [count_a], [count_b] */
+    double weight_a[4], weight_b[4];
+    i64 inside;       /* whether both centers are between the ends of their segments */
     double gap[3];    /* from the point of b to that of a, centers of segments */
     double distance;  /* its length, with its sign */
     double arm_a, arm_b; /* from the centers to the contact along the normal */

@@ -93,6 +93,20 @@ static void add_on_solid(struct contacts *c, struct scene *x, i64 a, i64 solid)
         if (kind != TRIANGLE || c->size[18 * solid + 12 + k] != 0.0) add(c, x, a, b, INSIDE + k);
 }
 
+/* How far the curve of a rod is from its chord, see contact_shapes.c, at most. */
+static double sag(const struct contacts *c, const struct scene *x, i64 segment)
+{
+    const i64 *e = c->ends + 2 * segment, *beyond = c->beyond + 2 * segment;
+    double most = 0.0;
+    for (i64 k = 0; k < 2; k++) {
+        if (beyond[k] < 0) continue;
+        const double *p = x->point + 3 * beyond[k], *q = x->point + 3 * e[k], *r = x->point + 3 * e[1 - k];
+        double d[3] = {p[0] - 2.0 * q[0] + r[0], p[1] - 2.0 * q[1] + r[1], p[2] - 2.0 * q[2] + r[2]}, size = DOT(d, d);
+        most = size > most ? size : most;
+    }
+    return 0.125 * sqrt(most);
+}
+
 static void pair(struct contacts *c, struct scene *x, i64 a, i64 b)
 {
     if (a >= c->segments) return; /* solids have edges for each other */
@@ -107,7 +121,7 @@ static void pair(struct contacts *c, struct scene *x, i64 a, i64 b)
     for (i64 k = 0; k < 3; k++) u[k] = p1[k] - p[k], v[k] = q1[k] - q[k];
     closest(p, u, q, v, &s, &t);
     for (i64 k = 0; k < 3; k++) gap[k] = p[k] + s * u[k] - q[k] - t * v[k];
-    double reach = c->radius[a] + c->radius[b] + x->margin;
+    double reach = c->radius[a] + c->radius[b] + x->margin + sag(c, x, a) + sag(c, x, b);
     if (DOT(gap, gap) < reach * reach) add(c, x, a, b, 0);
 }
 
@@ -135,7 +149,7 @@ static void boxes(const struct contacts *c, const struct scene *x, struct grid *
 {
     for (i64 a = 0; a < c->segments; a++) {
         const double *p = x->point + 3 * c->ends[2 * a], *q = x->point + 3 * c->ends[2 * a + 1];
-        double out = c->radius[a] + 0.5 * x->margin;
+        double out = c->radius[a] + 0.5 * x->margin + sag(c, x, a);
         for (i64 k = 0; k < 3; k++) {
             g->low[3 * a + k] = (p[k] < q[k] ? p[k] : q[k]) - out;
             g->high[3 * a + k] = (p[k] < q[k] ? q[k] : p[k]) + out;

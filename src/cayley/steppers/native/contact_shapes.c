@@ -230,6 +230,14 @@ static i64 edge(const double *size, i64 k, const double *x, struct field *f)
     return 1;
 }
 
+/* A point between the ends of a segment as a mean of them. */
+static void stand(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
+{
+    *count = 0;
+    if (s < 1.0) point[*count] = c->ends[2 * segment], weight[(*count)++] = 1.0 - s;
+    if (s > 0.0) point[*count] = c->ends[2 * segment + 1], weight[(*count)++] = s;
+}
+
 static i64 look_at_solid(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
 {
     i64 solid = t->b - c->segments, kind = c->kind[solid];
@@ -248,7 +256,8 @@ static i64 look_at_solid(const struct contacts *c, const struct scene *x, const 
     if (kind == TRIANGLE && seen->depth > 2.0 * radius + t->unit) return 0; /* the back of a thin sheet */
     times(pose + 3, f.slope, seen->normal);
     times(pose + 3, f.axis, seen->axis);
-    seen->bend = f.bend, seen->s = s, seen->t = 0.0, seen->free_s = seen->free_t = 0;
+    seen->bend = f.bend, seen->count_b = 0, seen->inside = 0;
+    stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
     seen->distance = f.value, seen->arm_a = radius - chord - seen->depth, seen->arm_b = 0.0;
     for (i64 k = 0; k < 3; k++) {
         seen->gap[k] = seen->normal[k] * f.value;
@@ -257,24 +266,120 @@ static i64 look_at_solid(const struct contacts *c, const struct scene *x, const 
     return 1;
 }
 
+/* The four points about a segment of a rod; a rod goes on straight beyond its ends. */
+static void about(const struct contacts *c, const struct scene *x, i64 segment, double out[4][3])
+{
+    const i64 *ends = c->ends + 2 * segment, *beyond = c->beyond + 2 * segment;
+    const double *p = x->point + 3 * ends[0], *q = x->point + 3 * ends[1];
+    for (i64 k = 0; k < 3; k++) {
+        out[1][k] = p[k], out[2][k] = q[k];
+        out[0][k] = beyond[0] < 0 ? 2.0 * p[k] - q[k] : x->point[3 * beyond[0] + k];
+        out[3][k] = beyond[1] < 0 ? 2.0 * q[k] - p[k] : x->point[3 * beyond[1] + k];
+    }
+}
+
+/* How far the curve of a segment is from its chord at most. */
+static double sagging(double p[4][3])
+{
+    double first[3], second[3];
+    for (i64 k = 0; k < 3; k++) first[k] = p[0][k] - 2.0 * p[1][k] + p[2][k], second[k] = p[1][k] - 2.0 * p[2][k] + p[3][k];
+    double a = DOT(first, first), b = DOT(second, second);
+    return 0.125 * sqrt(a > b ? a : b);
+}
+
+/* The quadratic B-spline of a rod's points along a segment: weights of the four points about it, and their slopes and
+ * second derivatives. It touches every segment in its middle. */
+static void spline(double s, double *w, double *slope, double *second)
+{
+    i64 late = s > 0.5;
+    double u = late ? s - 0.5 : s + 0.5;
+    memset(w, 0, 4 * sizeof *w), memset(slope, 0, 4 * sizeof *slope), memset(second, 0, 4 * sizeof *second);
+    w += late, slope += late, second += late;
+    w[0] = 0.5 * (1.0 - u) * (1.0 - u), w[1] = 0.5 + u * (1.0 - u), w[2] = 0.5 * u * u;
+    slope[0] = u - 1.0, slope[1] = 1.0 - 2.0 * u, slope[2] = u;
+    second[0] = 1.0, second[1] = -2.0, second[2] = 1.0;
+}
+
+static void mean(double p[4][3], const double *w, double *out)
+{
+    for (i64 k = 0; k < 3; k++) out[k] = w[0] * p[0][k] + w[1] * p[1][k] + w[2] * p[2][k] + w[3] * p[3][k];
+}
+
+/* Where the curves of two segments come nearest, by Newton's method from (s, t); returns the squared distance. */
+static double nearest(double p[4][3], double q[4][3], double *s, double *t, double *gap)
+{
+    double a[3], b[3], u[3], v[3], over[3], under[3], w[4], slope[4], second[4];
+    for (i64 pass = 0; pass < 8; pass++) {
+        spline(*s, w, slope, second);
+        mean(p, w, a), mean(p, slope, u), mean(p, second, over);
+        spline(*t, w, slope, second);
+        mean(q, w, b), mean(q, slope, v), mean(q, second, under);
+        for (i64 k = 0; k < 3; k++) gap[k] = a[k] - b[k];
+        double g = DOT(gap, u), h = -DOT(gap, v), uu = DOT(u, u), vv = DOT(v, v), uv = DOT(u, v);
+        double aa = uu + DOT(gap, over), bb = vv - DOT(gap, under);
+        if (aa < 0.1 * uu) aa = 0.1 * uu;
+        if (bb < 0.1 * vv) bb = 0.1 * vv;
+        /* what is at an end and would leave stays there */
+        i64 fixed_s = (*s <= 0.0 && g > 0.0) || (*s >= 1.0 && g < 0.0), fixed_t = (*t <= 0.0 && h > 0.0) || (*t >= 1.0 && h < 0.0);
+        double determinant = aa * bb - uv * uv, ds = 0.0, dt = 0.0;
+        if (fixed_s && fixed_t) break;
+        if (fixed_s || determinant < 1e-6 * aa * bb) dt = fixed_t ? 0.0 : -h / bb;
+        if (fixed_t || determinant < 1e-6 * aa * bb) ds = fixed_s ? 0.0 : -g / aa;
+        if (!fixed_s && !fixed_t && determinant >= 1e-6 * aa * bb)
+            ds = -(bb * g + uv * h) / determinant, dt = -(aa * h + uv * g) / determinant;
+        double before[2] = {*s, *t};
+        *s = clamp(*s + ds, 0.0, 1.0), *t = clamp(*t + dt, 0.0, 1.0);
+        if (fabs(*s - before[0]) + fabs(*t - before[1]) < 1e-13) break;
+    }
+    return DOT(gap, gap);
+}
+
+/* A point of the curve of a segment as a mean of the points about it. */
+static void stand_curved(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
+{
+    const i64 *ends = c->ends + 2 * segment, *beyond = c->beyond + 2 * segment;
+    double w[4], slope[4], second[4];
+    spline(s, w, slope, second);
+    if (beyond[0] < 0) w[1] += 2.0 * w[0], w[2] -= w[0], w[0] = 0.0;
+    if (beyond[1] < 0) w[2] += 2.0 * w[3], w[1] -= w[3], w[3] = 0.0;
+    i64 all[4] = {beyond[0], ends[0], ends[1], beyond[1]};
+    *count = 0;
+    for (i64 k = 0; k < 4; k++)
+        if (w[k] != 0.0) point[*count] = all[k], weight[(*count)++] = w[k];
+}
+
+/* Segments touch as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the curve that
+ * rounds it does. */
 static i64 look_at_segment(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
 {
-    const double *a = x->point + 3 * c->ends[2 * t->a], *b = x->point + 3 * c->ends[2 * t->b];
-    const double *a1 = x->point + 3 * c->ends[2 * t->a + 1], *b1 = x->point + 3 * c->ends[2 * t->b + 1];
-    double u[3] = {a1[0] - a[0], a1[1] - a[1], a1[2] - a[2]}, v[3] = {b1[0] - b[0], b1[1] - b[1], b1[2] - b[2]};
-    closest(a, u, b, v, &seen->s, &seen->t);
-    for (i64 k = 0; k < 3; k++) seen->gap[k] = a[k] + seen->s * u[k] - b[k] - seen->t * v[k];
+    double p[4][3], q[4][3], u[3], v[3], gap[3], s, r;
+    about(c, x, t->a, p), about(c, x, t->b, q);
+    for (i64 k = 0; k < 3; k++) u[k] = p[2][k] - p[1][k], v[k] = q[2][k] - q[1][k];
+    closest(p[1], u, q[1], v, &s, &r);
+    for (i64 k = 0; k < 3; k++) seen->gap[k] = p[1][k] + s * u[k] - q[1][k] - r * v[k];
     double sum = c->radius[t->a] + c->radius[t->b], square = DOT(seen->gap, seen->gap);
-    if (square >= sum * sum) {
-        seen->depth = sum - sqrt(square);
-        return 0;
+    double round = sagging(p) + sagging(q), near = sum + round;
+    seen->depth = sum - sqrt(square);
+    if (square >= near * near) return 0;
+    double on_a = s, on_b = r, curved = round > 0.0 ? nearest(p, q, &on_a, &on_b, gap) : INFINITY;
+    if (curved < square) {
+        square = curved, s = on_a, r = on_b;
+        memcpy(seen->gap, gap, sizeof gap);
+        stand_curved(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+        stand_curved(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
+    } else {
+        stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+        stand(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
     }
-    double distance = sqrt(square);
-    seen->distance = distance, seen->depth = sum - distance;
+    double distance = sqrt(square), center[3] = {0.0, 0.0, 0.0};
+    seen->depth = sum - distance, seen->distance = distance;
+    if (seen->depth <= 0.0) return 0;
     for (i64 k = 0; k < 3; k++) seen->normal[k] = distance > 0.0 ? seen->gap[k] / distance : t->normal[k];
-    seen->free_s = seen->s > 0.0 && seen->s < 1.0, seen->free_t = seen->t > 0.0 && seen->t < 1.0;
+    seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
     seen->arm_a = c->radius[t->a] - 0.5 * seen->depth, seen->arm_b = c->radius[t->b] - 0.5 * seen->depth;
-    for (i64 k = 0; k < 3; k++) seen->place[k] = a[k] + seen->s * u[k] - seen->normal[k] * seen->arm_a;
+    for (i64 n = 0; n < seen->count_a; n++)
+        for (i64 k = 0; k < 3; k++) center[k] += seen->weight_a[n] * x->point[3 * seen->point_a[n] + k];
+    for (i64 k = 0; k < 3; k++) seen->place[k] = center[k] - seen->normal[k] * seen->arm_a;
     seen->bend = distance > 0.0 ? 1.0 / distance : 0.0;
     memset(seen->axis, 0, sizeof seen->axis);
     return 1;

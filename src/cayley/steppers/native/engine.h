@@ -122,6 +122,7 @@ struct contacts {
     double *inverse;     /* inverse of the mass that answers there [1/kg], [points] */
     i64 segments;
     i64 *ends;           /* points, [segments][2] */
+    i64 *beyond;         /* the points before and behind them in a rod, or -1, [segments][2] */
     double *radius;      /* [segments] */
     i64 *owner;          /* the rod or shape it is of, [segments] */
     i64 *along;          /* its number along that, [segments] */
