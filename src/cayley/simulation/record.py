@@ -27,27 +27,30 @@ class Block:
     contact: np.ndarray | None = None
 
     @classmethod
-    def of(cls, state: State) -> "Block":
-        """The one of a state."""
-        work = None if state.work is None else state.work[None]
-        return cls(np.array([state.step]), state.values[None], state.momenta[None], work)
+    def of(cls, state: State, contact: np.ndarray | None = None) -> "Block":
+        """The one of a state, with what contacts are there."""
+        work, touching = (None if own is None else own[None] for own in (state.work, contact))
+        return cls(np.array([state.step]), state.values[None], state.momenta[None], work, contact=touching)
 
 
 class Record:
     """The frames of a run."""
 
-    def __init__(self, begin: State, writer: Writer | None = None, *, known: bool = False) -> None:
+    def __init__(
+        self, begin: State, writer: Writer | None = None, *, known: bool = False, contact: np.ndarray | None = None
+    ) -> None:
         """Begin with a state.
 
         Args:
             begin: the state.
             writer: takes the frames; they stay in memory without one.
             known: whether the writer's store has the frame of the state.
+            contact: what frames have of contacts there.
         """
         self.begin, self.writer, self.known = begin, writer, known
         self._last = begin.step
         self._count = 1.0
-        self._blocks = [] if known else [Block.of(begin)]
+        self._blocks = [] if known else [Block.of(begin, contact)]
         self._fresh = len(self._blocks)
 
     def most(self, frames: int) -> int:

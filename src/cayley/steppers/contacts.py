@@ -70,6 +70,16 @@ class Contacts:
         self.engine.end_contacts(ctypes.c_int64(self.struct.state))
 
 
+def at_start(system: System, values: np.ndarray, h: float) -> np.ndarray | None:
+    """What frames have of contacts (see Frames), of a start at values; None without contact."""
+    if system.contact is None:
+        return None
+    made = make_contacts(system, h)
+    made.begin(values, None)
+    made.end()
+    return np.concatenate([made.arrays["told"], made.arrays["force"][:-1].reshape(-1)])
+
+
 def memory_size(system: System) -> int:
     """Length of what is remembered of contacts."""
     assert system.contact is not None

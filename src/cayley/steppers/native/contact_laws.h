@@ -5,6 +5,9 @@
 #include <math.h>
 #include "contact.h"
 
+/* Part of critical damping of what sticks, so that it comes to rest there. */
+static const double STICKING = 0.7;
+
 /* A node on which a contact acts. */
 struct foot {
     i64 node;
@@ -46,7 +49,7 @@ static inline void friction_of(const struct contacts *c, const struct touch *t, 
                                const double *normal, const double *way, double h, double *slip, double *push)
 {
     double along = DOT(way, normal), rate = c->damping * law->grip / h;
-    double spring = c->shear * t->stiffness, damper = 2.0 * rate * sqrt(spring * t->mass), most = t->friction * law->force;
+    double spring = c->shear * t->stiffness, damper = 2.0 * STICKING * law->grip * sqrt(spring * t->mass) / h, most = t->friction * law->force;
     double resist = -2.0 * rate * sqrt(t->stiffness * t->mass) * along;
     if (resist < -law->force) resist = -law->force; /* nothing sticks to each other */
     for (i64 k = 0; k < 3; k++) {

@@ -84,6 +84,19 @@ static void press(struct explicit_run *e, double part)
     }
 }
 
+/* Power of the forces of contacts at the predicted velocities: kernels book it as work of loads, but it is none. */
+static double pressing_power(struct explicit_run *e)
+{
+    struct contacts *c = e->contacts;
+    double power = 0.0;
+    for (i64 n = 0; n < c->nodes; n++) {
+        const i64 *slot = e->contact_slot + 7 * n;
+        const double *v = part_of(e, slot, slot[5]), *force = c->force + n * c->dofs;
+        for (i64 d = 0; d < c->dofs; d++) power += force[d] * v[d * LANES];
+    }
+    return power;
+}
+
 /* Copy values (to control i) and, if wanted, momenta out of the blocks. */
 static void collect(struct explicit_run *e, i64 i, double *momenta)
 {
@@ -156,6 +169,7 @@ static void kick(struct explicit_run *e, i64 number, double part, i64 known, i64
             ((kernel)g->predict)(g->data, u, 1, g->blocks + 1);
         }
         complete_predicted(e, number_of, i, known ? 0.0 : 0.5 * p->h);
+        if (e->contacts) p->energy[1] -= part * pressing_power(e);
     }
     for (struct explicit_group *g = e->group; g < e->group + e->groups; g++) {
         double *u = times(p, g, 0, g->kick_setup, part, number, number);
