@@ -55,8 +55,8 @@ docs: $(VENV)/.docs $(VENV)/.engine
 docs-links: $(VENV)/.docs $(VENV)/.engine
 	$(BIN)/sphinx-build --quiet --builder linkcheck -D plot_gallery=0 docs docs/_build/links
 
-# The peers live in an environment of their own, benchmarks/.venv-peers, which the scripts make.
-BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep assembly statics report
+# The peers live in environments of their own, benchmarks/.venv-peers and .venv-suite, which the scripts make.
+BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep assembly statics cosseratbench report
 
 bench: $(VENV)/.dev $(VENV)/.engine
 	@set -e; for name in $(BENCHMARKS); do echo "benchmarks/$$name.py"; $(BIN)/python benchmarks/$$name.py; done
@@ -97,6 +97,6 @@ lock:
 	rm -rf .venv-lock
 
 clean:
-	rm -rf $(VENV) benchmarks/.venv-peers .venv-lock runs build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) benchmarks/.venv-peers benchmarks/.venv-suite benchmarks/.suite .venv-lock runs build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
 	rm -rf docs/_build docs/_staged docs/about docs/api docs/gallery docs/sg_execution_times.rst
 	find src tests docs -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import suite
 from harness import HERE, RESULTS
 
 BEGIN, END = "<!-- results -->", "<!-- end of results -->"
@@ -299,6 +300,17 @@ def assembly(record: Record) -> str:
     return f"{first}\n\n{told}\n\n{second}"
 
 
+def cosseratbench(record: Record) -> str:
+    """A table for each experiment of the suite."""
+    programs = ", ".join(f"{name} {number}" for name, number in record["programs"].items())
+    found = [f"All figures are the suite's own: its result files, default settings; {programs}."]
+    for name in dict.fromkeys(row["experiment"] for row in record["rows"]):
+        rows = [row for row in record["rows"] if row["experiment"] == name]
+        head, lines = suite.lines(rows, suite.WANTED.get(name, {}))
+        found.append(f"**{name}**, {rows[0]['n_elements']} elements\n\n{table(head, lines)}")
+    return "\n\n".join(found)
+
+
 SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "limit": ("Against hand-written C", limit),
     "pyelastica": ("Against PyElastica", pyelastica),
@@ -311,6 +323,7 @@ SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "sweep": ("Rods drawn by chance", sweep),
     "assembly": ("Joints and closed loops", assembly),
     "statics": ("Equilibria and modes", statics),
+    "cosseratbench": ("The suite cosseratbench", cosseratbench),
 }
 
 

@@ -36,6 +36,7 @@ INSTEAD = {
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "Models": ("Material", "Section", "Rod", "Body", "PointMass", "LagrangianPart", "ground", "Model"),
+    "Contact": ("Contact", "Plane", "Sphere", "Capsule", "Cylinder", "Box", "Mesh"),
     "Running": (
         "simulate",
         "resume",
@@ -49,6 +50,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "equilibrium",
         "Equilibrium",
         "EquilibriumError",
+        "settle",
+        "Settled",
+        "SettleError",
         "trace",
         "Path",
         "buckling",

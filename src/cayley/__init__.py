@@ -47,6 +47,7 @@ _HOMES = {
     "export": "results.export",
     "cite": "report.cite",
     "settle": "simulation",
+    "Settled": "simulation",
     "SettleError": "simulation",
     "equilibrium": "statics",
     "Equilibrium": "statics",
@@ -145,6 +146,7 @@ if TYPE_CHECKING:
     from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory
     from cayley.simulation import Interrupted as Interrupted
+    from cayley.simulation import Settled as Settled
     from cayley.simulation import SettleError as SettleError
     from cayley.simulation import SimulationError as SimulationError
     from cayley.simulation import WriteError as WriteError

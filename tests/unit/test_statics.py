@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import cayley as cy
 from cayley import joints, loads, supports
+from cayley.lie import quaternion
 from cayley.steppers.still import Still
 from cayley.system.discretize import discretize
 
@@ -157,3 +159,28 @@ def test_arguments_are_refused():
         cy.equilibrium(model, start=cy.equilibrium(model, rule=cy.rules.galerkin(time=1, space=2)))
     with pytest.raises(ValueError, match="start is a str"):
         cy.simulate(model, t_end=1.0, dt=1e-3, start="rest")
+
+
+@pytest.mark.parametrize("rule", [cy.rules.midpoint, cy.rules.galerkin(time=1, space=2)], ids=str)
+def test_a_slack_rope_that_starts_bent_is_found_at_once(rule):
+    """Pinned at both ends it may turn about its own axis; signs of the given quaternions are whatever they are."""
+    rope = cy.Material(density=1000.0, youngs_modulus=1e6, poisson_ratio=0.5)
+    rod = cy.Rod(cy.Section.circle(0.005, rope), length=1.0, elements=30, direction=(1, 0, 0))
+    half, span = 1.7, np.sin(1.7) / 1.7  # an arc of length 1
+    nodes = 30 * rule.degree + 1
+    angle = np.linspace(-half, half, nodes)
+    places = np.column_stack(
+        [span / 2 + np.sin(angle) / (2 * half), 0 * angle, (np.cos(half) - np.cos(angle)) / (2 * half)]
+    )
+    turns = quaternion.multiply(
+        quaternion.from_rotation_vector(np.outer(-angle, (0.0, 1.0, 0.0))),
+        np.broadcast_to(rod.rotation, (nodes, 4)),
+    )
+    turns *= np.where(np.arange(nodes) % 7 < 3, 1.0, -1.0)[:, None]
+    model = cy.Model(rod, supports=[supports.pin(rod.start), supports.pin(rod.end)], loads=[GRAVITY])
+    rest = cy.equilibrium(model, initial={rod: {"position": places, "rotation": turns}}, rule=rule)
+    assert rest.iterations <= 12
+    assert rest.stable
+    tension = scipy.optimize.brentq(lambda a: 2 * a * np.sinh(span / (2 * a)) - 1.0, 0.01, 1.0)
+    depth = tension * (np.cosh(span / (2 * tension)) - 1.0)
+    assert rest[rod].position.values[:, 2].min() == pytest.approx(-depth, rel=0.015)

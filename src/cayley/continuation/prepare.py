@@ -10,6 +10,7 @@ from cayley.model import Model, validate
 from cayley.statics import ROUNDING, values_of
 from cayley.steppers.still import Still
 from cayley.system.discretize import discretize, initial_values, spans
+from cayley.system.legendre import in_one_hemisphere
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +56,7 @@ def prepared(
     made = scaled(owner, model, parameter, validate.number(owner, "time", time, "s"))
     system = discretize(made.model, rule)
     values = initial_values(model, system, initial or {})[0] if start is None else values_of(start, system.reference)
+    values = in_one_hemisphere(system, values)
     still = Still.at(system, values, at)
     made.put(still, at)
     if start is not None and hasattr(start, "still") and start.still.multipliers.shape == still.multipliers.shape:

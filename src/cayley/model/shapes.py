@@ -338,6 +338,11 @@ class Mesh(Obstacle):
         return self.surface.convex
 
     @property
+    def flat(self) -> Flags:
+        """Of each edge, whether its two triangles lie in one plane, shape (e,)."""
+        return self.surface.flat
+
+    @property
     def owns_edge(self) -> Flags:
         """Whether a triangle answers for its edge k: one does for each convex edge, none for a valley, shape (m, 3)."""
         return self.surface.owns_edge

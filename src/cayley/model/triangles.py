@@ -25,6 +25,7 @@ class Surface(NamedTuple):
         edges: vertices of each edge, the smaller index first, shape (e, 2).
         triangle_edges: edge from corner k to corner k + 1 of each triangle, shape (m, 3).
         convex: of each edge, whether it is on the border, sticks out or is flat; not so where it is a valley; (e,).
+        flat: of each edge, whether its two triangles lie in one plane, shape (e,).
         owns_edge: whether the triangle answers for that edge of it: exactly one for a convex one, none else; (m, 3).
         owns_vertex: whether the triangle answers for that corner of it: exactly one for each vertex; (m, 3).
         closed: whether every edge has two triangles.
@@ -34,6 +35,7 @@ class Surface(NamedTuple):
     edges: Ints
     triangle_edges: Ints
     convex: Flags
+    flat: Flags
     owns_edge: Flags
     owns_vertex: Flags
     closed: bool
@@ -101,8 +103,10 @@ def surface(owner: str, vertices: Array, triangles: Ints) -> Surface:
             f"{owner}: triangles {one[k] // 3} and {two[k] // 3} run the same way along edge "
             f"{tuple(edges[inner[k]].tolist())}; reverse one of them: all must be counter-clockwise seen from outside"
         )
-    convex = np.ones(len(edges), dtype=bool)
-    convex[inner] = _convex(vertices, triangles, normals[one // 3], ways[two], two)
+    bend = np.full(len(edges), -1.0)
+    bend[inner] = _bend(vertices, triangles, normals[one // 3], ways[two], two)
+    flat, convex = np.abs(bend) <= FLAT, bend <= FLAT
+    flat[inner] &= np.einsum("ek,ek->e", normals[one // 3], normals[two // 3]) > 0.0  # not folded over
     owns_edge, owns_vertex = np.zeros((2, triangles.size), dtype=bool)
     owns_edge[first[convex]] = True
     owns_vertex[np.unique(triangles, return_index=True)[1]] = True
@@ -111,6 +115,7 @@ def surface(owner: str, vertices: Array, triangles: Ints) -> Surface:
         edges=_frozen(edges.astype(np.int64)),
         triangle_edges=_frozen(inverse.reshape(-1, 3).astype(np.int64)),
         convex=_frozen(convex),
+        flat=_frozen(flat),
         owns_edge=_frozen(owns_edge.reshape(-1, 3)),
         owns_vertex=_frozen(owns_vertex.reshape(-1, 3)),
         closed=len(inner) == len(edges),
@@ -123,8 +128,8 @@ def volume(vertices: Array, triangles: Ints) -> float:
     return float(np.einsum("mk,mk->", a, np.cross(b, c)) / 6.0)
 
 
-def _convex(vertices: Array, triangles: Ints, normals: Array, ends: Ints, sides: Ints) -> Flags:
-    """Whether edges stick out or are flat.
+def _bend(vertices: Array, triangles: Ints, normals: Array, ends: Ints, sides: Ints) -> Array:
+    """Sine of the angle by which the second triangle at an edge rises above the plane of the first one.
 
     Args:
         vertices: of the mesh.
@@ -136,7 +141,7 @@ def _convex(vertices: Array, triangles: Ints, normals: Array, ends: Ints, sides:
     a, b = vertices[ends[:, 0]], vertices[ends[:, 1]]
     away = vertices[triangles[sides // 3, (sides + 2) % 3]] - a
     height = np.linalg.norm(np.cross(b - a, away), axis=1) / np.linalg.norm(b - a, axis=1)
-    found: Flags = np.einsum("ek,ek->e", normals, away) <= FLAT * height
+    found: Array = np.einsum("ek,ek->e", normals, away) / height
     return found
 
 

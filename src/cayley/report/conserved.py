@@ -72,7 +72,7 @@ def load_free(run: Any) -> Window:
     time = run.energy["time"].values
     loads = [] if run.model is None else [load for load in run.model.loads if not isinstance(load, Gravity)]
     if run.model is not None and _works_always(run.model):
-        return Window(np.ones(len(time), dtype=bool), "whole run, a drive or damper works", False)
+        return Window(np.ones(len(time), dtype=bool), "whole run, a drive, damper or contact works", False)
     if run.model is None and run.accounted:
         return Window(np.ones(len(time), dtype=bool), "whole run, forces act", False)
     end = max((load.until for load in loads), default=-np.inf)
@@ -103,9 +103,11 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
     A component of linear momentum stays if no support holds that component and gravity has none. One of angular
     momentum, about the axis e through the origin, stays if gravity is along e and no support turns about e: a held
     position does not if its force passes through the axis or is parallel to it. Loads are not looked at. A joint or
-    spring of two parts leaves all alone; one to the ground, and a Lagrangian of one's own, is taken to leave nothing.
+    spring of two parts, or their contact, leaves all alone; one to the ground, an obstacle fixed in space, and a
+    Lagrangian of one's own, is taken to leave nothing.
     """
-    if model.own_parts or any(tie.grounded for tie in model.ties):
+    fixed = any(tie.grounded for tie in model.ties) or any(obstacle.on is None for obstacle in model.obstacles)
+    if model.own_parts or fixed:
         return (False, False, False), (False, False, False)
     gravity = sum((np.array(load.acceleration) for load in model.loads if isinstance(load, Gravity)), start=np.zeros(3))
     linear, angular = [], []
@@ -125,10 +127,18 @@ def preserved(model: Model) -> tuple[Flags, Flags]:
 
 
 def _works_always(model: Model) -> bool:
-    """Whether joints are driven or springs, rods or Lagrangians of one's own damped, all the time."""
+    """Whether joints are driven or springs, rods, contacts or Lagrangians of one's own damped, all the time."""
+    if model.contact is not None and (model.contact.damping or _rubs(model)):
+        return True
     if any(rod.damping is not None for rod in model.rods) or any(part.lagrangian.force for part in model.own_parts):
         return True
     return any(joint.driven for joint in model.connections) or any(np.any(spring.damping) for spring in model.springs)
+
+
+def _rubs(model: Model) -> bool:
+    """Whether there is friction anywhere."""
+    assert model.contact is not None
+    return any((model.contact.friction, *(obstacle.friction for obstacle in model.obstacles)))
 
 
 def _flags(values: list[Any]) -> Flags:
@@ -137,7 +147,7 @@ def _flags(values: list[Any]) -> Flags:
 
 def _energy_rows(run: Any, window: Window) -> list[Row]:
     if not window.free:
-        return [Row("energy and momenta", "not judged", "", "loads, drives or damping act to the end")]
+        return [Row("energy and momenta", "not judged", "", "loads, drives, damping or contact act to the end")]
     time, energy = run.energy["time"].values[window.frames], run.energy.values[window.frames]
     largest = float(run.kinetic_energy.values.max())
 

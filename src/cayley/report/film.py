@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib import animation
 
-from cayley.report.snapshots import Contents, Room, color_bar
+from cayley.report.snapshots import Contents, color_bar
 from cayley.report.style import WIDTH, Drawing, style
 
 _PLAYED = 10.0  # s that a film takes by default
@@ -43,7 +43,7 @@ def film(run: Any, path: str | Path, *, speed: float | None = None, fps: int = 2
     times = np.linspace(run.time[0], run.time[-1], max(2, round(length / rate * fps) + 1))
     frames = [int(np.abs(run.time - t).argmin()) for t in times]
     shown = Contents.of(run, part, frames)
-    room = Room.around(shown.points)
+    room = shown.room()
     width, height = room.extent
     inches = min((WIDTH - _RIGHT - 2.0 * _EDGE) / width, _HIGHEST / height)  # of a meter
     tall = height * inches + 2.0 * _EDGE
@@ -58,7 +58,7 @@ def film(run: Any, path: str | Path, *, speed: float | None = None, fps: int = 2
             for k, frame in enumerate(frames):
                 axes.clear()
                 room.draw(axes, labeled=True, margin=margin)
-                shown.draw(axes, k, room.low[2])
+                shown.draw(axes, k, room)
                 axes.set_title(f"$t$ = {run.time[frame]:.3g} s", loc="center")
                 writer.grab_frame()
     return target

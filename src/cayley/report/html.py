@@ -117,6 +117,8 @@ def _figures(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | Non
     )
     if run.model.bodies or run.model.connections:
         caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
+    if run.model.obstacles:
+        caption += " Obstacles are gray; a body that carries shapes is drawn by them."
     yield figure_html(figures.snapshots(run, times=times), "The model at some times.", caption)
     names = [run.model.name_of(rod) for rod in run.model.rods]
     if len(run.time) == 1:  # an equilibrium

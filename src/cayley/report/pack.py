@@ -23,7 +23,7 @@ import numpy as np
 
 from cayley.report.conserved import Array
 from cayley.report.mesh import ring
-from cayley.report.scene import Place, Scene, Strand
+from cayley.report.scene import Flat, Place, Scene, Skin, Strand
 
 _LEVEL = 6  # of gzip: higher ones take three times as long and save one percent
 _LARGEST = 32767
@@ -42,6 +42,7 @@ def described(scene: Scene) -> dict[str, Any]:
         "links": [
             {"name": link.name, "first": _place(link.first), "second": _place(link.second)} for link in scene.links
         ],
+        "solids": [_skin(solid) if isinstance(solid, Skin) else _flat(solid) for solid in scene.solids],
         "graphs": [{"title": graph.title, "unit": graph.unit, "names": graph.names} for graph in scene.graphs],
     }
 
@@ -108,8 +109,30 @@ def _block(part: Any) -> dict[str, Any]:
         "nodes": 1,
         "sides": None if part.sides is None else _rounded(part.sides),
         "turn": list(part.turn),
+        "shaped": part.shaped,
         "ports": {name: list(shift) for name, shift in part.ports.items()},
         "quantities": _quantities(part),
+    }
+
+
+def _skin(solid: Skin) -> dict[str, Any]:
+    return {
+        "kind": "skin",
+        "name": solid.name,
+        "part": solid.part,
+        "vertices": _rounded(solid.vertices.reshape(-1)),
+        "triangles": solid.triangles.reshape(-1).tolist(),
+        "sheer": solid.sheer,
+    }
+
+
+def _flat(solid: Flat) -> dict[str, Any]:
+    return {
+        "kind": "flat",
+        "name": solid.name,
+        "part": solid.part,
+        "point": list(solid.point),
+        "normal": list(solid.normal),
     }
 
 

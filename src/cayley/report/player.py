@@ -22,6 +22,7 @@ _SCRIPTS = (
     "meshes.js",
     "paint.js",
     "camera.js",
+    "obstacles.js",
     "picture.js",
     "plots.js",
     "live.js",

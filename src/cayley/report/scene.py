@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cayley.report.conserved import Array
 
@@ -63,6 +64,7 @@ class Block:
         sides: of the box [m], shape (3,); None: a ball.
         turn: of the box against the body, unit quaternion, wxyz, shape (4,).
         ports: shifts from the mass center in the body's frame [m], by name.
+        shaped: whether skins are drawn instead of the box.
         quantities: by a short name.
     """
 
@@ -72,7 +74,44 @@ class Block:
     sides: Array | None = None
     turn: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
     ports: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    shaped: bool = False
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Skin:
+    """The surface of an obstacle.
+
+    Attributes:
+        name: of the obstacle.
+        part: number of the part that carries it among those of the scene; None: fixed in space.
+        vertices: in the frame of the part, or in space [m], shape (n, 3).
+        triangles: indices of vertices, counter-clockwise seen from outside, shape (m, 3).
+        sheer: whether one sees through it, as it is solid all around.
+    """
+
+    name: str
+    part: int | None
+    vertices: Array
+    triangles: NDArray[np.int64]
+    sheer: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flat:
+    """A plane, drawn as far as the room.
+
+    Attributes:
+        name: of the obstacle.
+        part: number of the part that carries it among those of the scene; None: fixed in space.
+        point: of the plane, in the frame of the part or in space [m].
+        normal: out of what is solid, a unit vector.
+    """
+
+    name: str
+    part: int | None
+    point: tuple[float, ...]
+    normal: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,6 +186,7 @@ class Scene:
         parts: what moves.
         marks: signs on the parts.
         links: lines between them.
+        solids: obstacles.
         graphs: lines over the time.
         up: the direction that is up in the picture, a unit vector along an axis.
         shade: from when to when loads act [s]; None: nothing is shaded.
@@ -162,6 +202,7 @@ class Scene:
     parts: tuple[Strand | Block, ...]
     marks: tuple[Mark, ...] = ()
     links: tuple[Link, ...] = ()
+    solids: tuple[Skin | Flat, ...] = ()
     graphs: tuple[Graph, ...] = ()
     up: tuple[int, int, int] = (0, 0, 1)
     shade: tuple[float, float] | None = None

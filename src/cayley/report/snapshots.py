@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,17 +16,11 @@ from matplotlib.ticker import MaxNLocator
 
 from cayley.report.bodies import Shape, body_shape, joint_points
 from cayley.report.conserved import Array
+from cayley.report.solids import Solid, around, floor_of, moving, solids
 from cayley.report.style import GRID, INK, MAP, MUTED, SHADOW, WIDTH, Drawing, style
+from cayley.report.view import seen
 
 _PIECES = 8  # of an element, so that its color runs from node to node
-_AZIMUTH, _ELEVATION = np.radians(-60.0), np.radians(18.0)  # of the eye
-# the picture's axes to the right and up, as rows, in space
-_VIEW = np.array(
-    [
-        [-np.sin(_AZIMUTH), np.cos(_AZIMUTH), 0.0],
-        [-np.sin(_ELEVATION) * np.cos(_AZIMUTH), -np.sin(_ELEVATION) * np.sin(_AZIMUTH), np.cos(_ELEVATION)],
-    ]
-)
 _GAP = 1.12  # width of a panel per width of its picture
 # in inches: margins of the figure, with the color bar on the right, and the lowest and highest panel
 _LEFT, _RIGHT, _BOTTOM, _TOP, _LOWEST, _HIGHEST = 0.42, 0.85, 0.4, 0.32, 1.2, 3.4
@@ -45,7 +39,8 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None, *
     """Rods in space at some times, colored by the magnitude of the moment ‖Σ‖ [N m] in them; bodies as boxes.
 
     All panels have one scale, the same along all axes, and are seen along parallel lines from the same side. On the
-    floor is the rod's shadow. A body is the box of its inertia, with lines to its ports; a diamond is a joint.
+    floor is the rod's shadow. A body is the box of its inertia, or its shapes, with lines to its ports; a diamond is a
+    joint; obstacles are gray.
 
     Args:
         run: a Trajectory.
@@ -59,7 +54,7 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None, *
     frames = nearest_frames(time, times)
     shown = Contents.of(run, rod, frames)
     before = [own.positions for own in run.model.rods] if reference else []
-    room = Room.around(np.concatenate([shown.points, *before]))
+    room = shown.room(*before)
     with style():
         plan = _Plan.of(len(frames), *room.extent)
         figure = Drawing(figsize=(WIDTH, plan.height))
@@ -68,8 +63,8 @@ def snapshots(run: Any, rod: Any = None, times: Sequence[float] | None = None, *
             room.draw(axes, labeled=k == 0, margin=0.5 * (plan.width / plan.inches - room.extent[0]))
             axes.set_title("" if reference else f"$t$ = {time[frame]:.3g} s", loc="center")
             for line in before:
-                axes.plot(*_seen(line).T, color=MUTED, linewidth=1.2, linestyle=(0, (5, 3)), label="reference")
-            shown.draw(axes, k, room.low[2])
+                axes.plot(*seen(line).T, color=MUTED, linewidth=1.2, linestyle=(0, (5, 3)), label="reference")
+            shown.draw(axes, k, room)
         if shown.positions:
             color_bar(figure, plan.bar(), shown.scale)
     return figure
@@ -93,6 +88,7 @@ class Contents:
         shapes: of the bodies.
         joints: their places [m], shape (frames, joints, 3).
         scale: of the colors.
+        solids: obstacles.
     """
 
     positions: list[Array]
@@ -101,6 +97,7 @@ class Contents:
     shapes: list[Shape]
     joints: Array
     scale: Normalize
+    solids: list[Solid]
 
     @classmethod
     def of(cls, run: Any, rod: Any, frames: list[int]) -> Contents:
@@ -117,21 +114,35 @@ class Contents:
         joints = joint_points(run, frames) if rod is None else np.zeros((len(frames), 0, 3))
         top = max((float(moment.max()) for moment in moments), default=0.0)
         scale = Normalize(0.0, top if top > 0.0 else 1.0)
-        return cls(positions, moments, _held(run.model, chosen), shapes, joints, scale)
+        obstacles = solids(run, frames) if rod is None else []
+        shaped = [any(obstacle.on is part for obstacle in run.model.obstacles) for part in others]
+        shapes = [replace(one, edges=one.edges[:, :0]) if own else one for one, own in zip(shapes, shaped, strict=True)]
+        return cls(positions, moments, _held(run.model, chosen), shapes, joints, scale, obstacles)
 
     @property
     def points(self) -> Array:
         """All points of rods and bodies [m], shape (n, 3)."""
-        return np.concatenate([one.reshape(-1, 3) for one in self.positions] + [shape.points for shape in self.shapes])
+        own = [one.reshape(-1, 3) for one in self.positions] + [shape.points for shape in self.shapes]
+        return np.concatenate(own + moving(self.solids))
 
-    def draw(self, axes: Axes, k: int, floor: float) -> None:
+    def room(self, *more: Array) -> Room:
+        """The room that holds all of it, and more points."""
+        points = np.concatenate([self.points, *more])
+        low, high = points.min(axis=0), points.max(axis=0)
+        floor = floor_of(self.solids, low, high)
+        return Room.around(np.concatenate([points, around(self.solids, low, high)]), floor)
+
+    def draw(self, axes: Axes, k: int, room: Room) -> None:
         """Draw the k-th of the frames."""
+        floor = float(room.low[2])
+        for solid in self.solids:
+            solid.draw(axes, k, room.low, room.high)
         for position, moment, nodes in zip(self.positions, self.moments, self.held, strict=True):
             _draw(axes, position[k], moment[k], self.scale, floor)
-            axes.plot(*_seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)
+            axes.plot(*seen(position[k][nodes]).T, "o", markersize=5.5, mfc="white", mec=INK, mew=1.2, zorder=4)
         for shape in self.shapes:
             _draw_body(axes, shape, k, floor)
-        axes.plot(*_seen(self.joints[k]).T, "D", markersize=4.5, mfc="white", mec=INK, mew=1.1, zorder=5)
+        axes.plot(*seen(self.joints[k]).T, "D", markersize=4.5, mfc="white", mec=INK, mew=1.1, zorder=5)
 
 
 def nearest_frames(time: Array, times: Sequence[float] | None) -> list[int]:
@@ -203,15 +214,16 @@ class Room:
     right: Array
 
     @classmethod
-    def around(cls, points: Array) -> Room:
-        """A box around points, no side of it less than a quarter of the longest."""
+    def around(cls, points: Array, floor: float | None = None) -> Room:
+        """A box around points, no side of it less than a quarter of the longest; with its floor at a height."""
         low, high = points.min(axis=0), points.max(axis=0)
         longest = max(float((high - low).max()), 1e-9)
         half = 0.5 * np.maximum(high - low, 0.25 * longest) + 0.03 * longest
         (x0, y0, z0), (x1, y1, z1) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
+        z0 = z0 if floor is None else floor
         lines = [(x0, y0, z0), (x1, y0, z0), (x0, y1, z0), (x1, y1, z0), (x0, y0, z1)]
-        seen = _seen(np.concatenate([np.array(lines), points + 0.02 * longest * np.array([0.0, 0.0, 1.0])]))
-        return cls(np.array([x0, y0, z0]), np.array([x1, y1, z1]), seen.min(axis=0), seen.max(axis=0))
+        flat = seen(np.concatenate([np.array(lines), points + 0.02 * longest * np.array([0.0, 0.0, 1.0])]))
+        return cls(np.array([x0, y0, z0]), np.array([x1, y1, z1]), flat.min(axis=0), flat.max(axis=0))
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -228,9 +240,9 @@ class Room:
         ticks = [self._ticks(i) for i in range(3)]
         grid = [[(x, y0, z0), (x, y1, z0)] for x in (x0, *ticks[0], x1)]
         grid += [[(x0, y, z0), (x1, y, z0)] for y in (y0, *ticks[1], y1)]
-        axes.add_collection(LineCollection(list(_seen(np.array(grid))), colors=GRID, linewidths=0.6))
+        axes.add_collection(LineCollection(list(seen(np.array(grid))), colors=GRID, linewidths=0.6, zorder=1.0))
         edges = [[(x0, y0, z0), (x1, y0, z0)], [(x1, y0, z0), (x1, y1, z0)], [(x0, y0, z0), (x0, y0, z1)]]
-        axes.add_collection(LineCollection(list(_seen(np.array(edges))), colors=MUTED, linewidths=0.7))
+        axes.add_collection(LineCollection(list(seen(np.array(edges))), colors=MUTED, linewidths=0.7, zorder=1.0))
         if not labeled:
             return
         at = (lambda x: (x, y0, z0), lambda y: (x1, y, z0), lambda z: (x0, y0, z))
@@ -253,7 +265,7 @@ class Room:
     def _label(axes: Axes, place: Any, text: str, offset: tuple[int, int], align: tuple[str, str]) -> None:
         axes.annotate(
             text,
-            tuple(_seen(np.array(place)).tolist()),
+            tuple(seen(np.array(place)).tolist()),
             xytext=offset,
             textcoords="offset points",
             ha=align[0],
@@ -261,12 +273,6 @@ class Room:
             fontsize=7.0,
             annotation_clip=False,
         )
-
-
-def _seen(points: Array) -> Array:
-    """Places in the picture [m], right and up, shape (..., 2), of points in space."""
-    seen: Array = points @ _VIEW.T
-    return seen
 
 
 def _draw(axes: Axes, position: Array, moment: Array, scale: Normalize, floor: float) -> None:
@@ -277,11 +283,11 @@ def _draw(axes: Axes, position: Array, moment: Array, scale: Normalize, floor: f
     values = np.interp(0.5 * (fine[1:] + fine[:-1]), nodes, moment)
     shadow = position.copy()
     shadow[:, 2] = floor
-    axes.plot(*_seen(shadow).T, color=SHADOW, linewidth=1.6)
-    axes.plot(*_seen(np.stack([position[-1], shadow[-1]])).T, color=SHADOW, linewidth=0.7, linestyle=(0, (2, 2)))
-    seen = _seen(curve)
-    axes.plot(*seen.T, color=INK, linewidth=4.4, solid_joinstyle="round", clip_on=False)
-    pieces = np.stack([seen[:-1], seen[1:]], axis=1)
+    axes.plot(*seen(shadow).T, color=SHADOW, linewidth=1.6)
+    axes.plot(*seen(np.stack([position[-1], shadow[-1]])).T, color=SHADOW, linewidth=0.7, linestyle=(0, (2, 2)))
+    flat = seen(curve)
+    axes.plot(*flat.T, color=INK, linewidth=4.4, solid_joinstyle="round", clip_on=False)
+    pieces = np.stack([flat[:-1], flat[1:]], axis=1)
     axes.add_collection(
         LineCollection(
             list(pieces), cmap=MAP, norm=scale, array=values, linewidths=3.2, capstyle="round", clip_on=False
@@ -293,11 +299,11 @@ def _draw_body(axes: Axes, shape: Shape, k: int, floor: float) -> None:
     """A body: the shadow of its center, its box, and lines to its ports."""
     shadow = shape.center[k].copy()
     shadow[2] = floor
-    axes.plot(*_seen(shadow[None]).T, "o", color=SHADOW, markersize=4.0)
-    axes.plot(*_seen(np.stack([shape.center[k], shadow])).T, color=SHADOW, linewidth=0.7, linestyle=(0, (2, 2)))
-    axes.add_collection(LineCollection(list(_seen(shape.arms[k])), colors=MUTED, linewidths=1.0, clip_on=False))
-    axes.add_collection(LineCollection(list(_seen(shape.edges[k])), colors=INK, linewidths=1.0, clip_on=False))
-    axes.plot(*_seen(shape.center[k][None]).T, "o", color=INK, markersize=3.0, clip_on=False)
+    axes.plot(*seen(shadow[None]).T, "o", color=SHADOW, markersize=4.0)
+    axes.plot(*seen(np.stack([shape.center[k], shadow])).T, color=SHADOW, linewidth=0.7, linestyle=(0, (2, 2)))
+    axes.add_collection(LineCollection(list(seen(shape.arms[k])), colors=MUTED, linewidths=1.0, clip_on=False))
+    axes.add_collection(LineCollection(list(seen(shape.edges[k])), colors=INK, linewidths=1.0, clip_on=False))
+    axes.plot(*seen(shape.center[k][None]).T, "o", color=INK, markersize=3.0, clip_on=False)
 
 
 def _held(model: Any, rods: Sequence[Any]) -> list[list[int]]:

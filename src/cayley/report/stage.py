@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cayley.discrete.rules import by_name
 from cayley.lie import quaternion
-from cayley.model import Body, LagrangianPart, Model, PointMass, Rod
+from cayley.model import Body, LagrangianPart, Model, Plane, PointMass, Rod
 from cayley.model.loads import Gravity
 from cayley.model.port import Port
 from cayley.model.stations import Stations
 from cayley.report.bodies import box_sides
 from cayley.report.conserved import Array, load_free
-from cayley.report.scene import BYTES, Block, Graph, Link, Mark, Place, Quantity, Scene, Strand
+from cayley.report.scene import BYTES, Block, Flat, Graph, Link, Mark, Place, Quantity, Scene, Skin, Strand
+from cayley.report.skins import skin
 from cayley.results.body import node_of
 
 _SPACE = ("x", "y", "z")
@@ -50,6 +52,7 @@ def scene(run: Any, *, stride: int | None = None, name: str = "", graphs: bool =
         parts=() if model is None else tuple(_parts(run, frames)),
         marks=() if model is None else tuple(_marks(run)),
         links=() if model is None else tuple(_links(run)),
+        solids=() if model is None else tuple(_solids(model)),
         graphs=tuple(_graphs(run, frames)) if graphs else (),
         up=(0, 0, 1) if model is None else upward(model),
         shade=(float(run.time[0]), float(run.time[window.frames][0])) if loaded else None,
@@ -82,7 +85,8 @@ def _parts(run: Any, frames: slice) -> Iterator[Strand | Block]:
         elif part.node_count > 1:
             yield _thread(part, name, data)
         else:
-            yield _block(part, name, data)
+            shaped = any(obstacle.on is part for obstacle in run.model.obstacles)
+            yield replace(_block(part, name, data), shaped=shaped)
 
 
 def _strand(run: Any, rod: Rod, name: str, data: Any, frames: slice) -> Strand:
@@ -196,6 +200,18 @@ def _links(run: Any) -> Iterator[Link]:
         if spring.distance > 0.0:
             name = run.model.described(spring, short=True)
             yield Link(name=name, first=_place(run, spring.first), second=_place(run, spring.second))
+
+
+def _solids(model: Model) -> Iterator[Skin | Flat]:
+    """The surfaces of all obstacles."""
+    for obstacle, name in zip(model.obstacles, model.obstacle_names, strict=True):
+        part = next((k for k, own in enumerate(model.parts) if own is obstacle.on), None)
+        if isinstance(obstacle, Plane):
+            yield Flat(name=name, part=part, point=obstacle.point, normal=obstacle.normal)
+            continue
+        mesh = skin(obstacle)
+        sheer = mesh.closed and mesh.volume < 0.0
+        yield Skin(name=name, part=part, vertices=mesh.vertices, triangles=mesh.triangles, sheer=sheer)
 
 
 def _graphs(run: Any, frames: slice) -> Iterator[Graph]:

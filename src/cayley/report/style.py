@@ -14,6 +14,7 @@ BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 AXES = (BLUE, VERMILION, GREEN)  # x, y, z
 INK, MUTED, GRID = "#1a1a1a", "#6b6b6b", "#e4e4e4"
 SHADE, SHADOW = "#f2f0eb", "#c4c4c4"  # the time in which loads act; what a rod throws on the floor
+SOLID = "#d9d5cc"  # obstacles
 MAP = "viridis"
 WIDTH = 7.4  # in
 

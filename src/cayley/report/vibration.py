@@ -12,16 +12,10 @@ from cayley.lie import quaternion
 from cayley.report.bodies import body_shape
 from cayley.report.style import BLUE, GRID, INK, MUTED, SHADOW, VERMILION, WIDTH, style
 from cayley.report.swing import extent, swing
+from cayley.report.view import seen
 
 __all__ = ["campbell", "mode_shapes", "response"]
 
-_AZIMUTH, _ELEVATION = np.radians(-60.0), np.radians(18.0)  # of the eye, as in the snapshots
-_VIEW = np.array(
-    [
-        [-np.sin(_AZIMUTH), np.cos(_AZIMUTH), 0.0],
-        [-np.sin(_ELEVATION) * np.cos(_AZIMUTH), -np.sin(_ELEVATION) * np.sin(_AZIMUTH), np.cos(_ELEVATION)],
-    ]
-)
 _RIB = 0.04  # length of the ribs that show how sections turn, over the extent
 _COLUMNS = 3
 _MOST = 12
@@ -133,4 +127,4 @@ def _lines(run: Any, frame: int, rib: float) -> list[tuple[Any, float]]:
         shape = body_shape(run, part, [frame])
         dot = np.stack([shape.center, shape.center], axis=1)  # all there is of a point mass
         found.append((np.concatenate([shape.edges[0], shape.arms[0], dot]), 0.6))
-    return [(ends @ _VIEW.T, width) for ends, width in found]
+    return [(seen(ends), width) for ends, width in found]

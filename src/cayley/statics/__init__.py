@@ -15,6 +15,7 @@ from cayley.statics.newton import Solution, solve
 from cayley.statics.result import Equilibrium
 from cayley.steppers.still import Still
 from cayley.system.discretize import discretize, initial_values, spans
+from cayley.system.legendre import in_one_hemisphere
 
 _log = logging.getLogger("cayley.statics")
 
@@ -72,11 +73,12 @@ def equilibrium(
     if start is not None and initial is not None:
         raise ValueError("equilibrium: both start and initial are given; give one")
     values = initial_values(model, system, initial or {})[0] if start is None else values_of(start, system.reference)
+    values = in_one_hemisphere(system, values)
     still = Still.at(system, values, _number("time", time), turning)
     inertia = ROUNDING * (still.fastest() or 1.0)  # bodies alone have no stiffness
     if start is not None and hasattr(start, "still") and start.still.multipliers.shape == still.multipliers.shape:
         still.put(values, start.still.multipliers)
-    solution = solve(still, inertia=inertia, relax=relax)
+    solution = solve(still, inertia=inertia, relax=relax, bent=bool(initial))
     facts = {"found": solution.found, "iterations": solution.iterations, "load_steps": solution.load_steps}
     _log.info("equilibrium: %d corrections by %s", solution.iterations, solution.how, extra=facts)
     if not solution.found:

@@ -12,6 +12,9 @@ TOLERANCE = 1e-9
 """A correction this small, by a new tangent, is the last: the next would be about its square."""
 FLOOR = 1e-6
 """Below, a correction that no longer shrinks is rounding."""
+IDLE, LIFT = 1e-2, 1e3
+"""Size below which a correction that no longer shrinks may be a motion that nothing resists, driven by rounding; and by
+how much more stiffness is raised to see: that makes such a motion as much shorter."""
 LARGEST_TURN, WANTED_TURN = 2.0, 1.6
 """Longest turn of one correction, and that of the first one of a load step [rad]: 2 is a quarter turn after Cayley."""
 WILD = 2.0
@@ -51,7 +54,7 @@ class Solution:
     long: float = 0.0
 
 
-def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None) -> Solution:
+def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None, bent: bool = False) -> Solution:
     """Find an equilibrium from where a system is.
 
     Loads are put on in as few steps as corrections that turn by no more than LARGEST_TURN allow: point and line loads
@@ -63,10 +66,13 @@ def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None) -> S
         still: the system; it ends at the equilibrium, or where it was.
         inertia: mass matrices by which stiffness is raised [1/s²] so that motions without any stay finite.
         relax: True: by relaxation alone; False: not at all.
+        bent: the start is not the reference, so positions are settled first: then rods bear their loads in the shape
+            they begin with, and a cable has the tension that makes it stiff.
     """
     start = still.values, still.multipliers
     total, told = 0, Solution()
-    for search in [_relaxed] if relax else [_stepped, _careful] if relax is False else [_stepped, _careful, _relaxed]:
+    searches = [*([_settled] if bent else []), _stepped, _careful]
+    for search in [_relaxed] if relax else searches if relax is False else [*searches, _relaxed]:
         still.put(*start)
         told = search(still, inertia)
         total += told.iterations
@@ -76,6 +82,14 @@ def solve(still: Still, *, inertia: float = 0.0, relax: bool | None = None) -> S
         still.put(*start)
     told.iterations = total
     return told
+
+
+def _settled(still: Still, inertia: float) -> Solution:
+    x = still.settle(inertia=inertia)
+    if x is None or not np.isfinite(still.measure(x)[0]):
+        return Solution()
+    still.move(x)
+    return newton(still, inertia=inertia)
 
 
 def _stepped(still: Still, inertia: float) -> Solution:
@@ -143,8 +157,12 @@ def newton(
             still.move(x)
             told.found = True
             return told
+        if size <= IDLE and size > 0.3 * last and _idles(still, fade, inertia):
+            told.found = True
+            return told
         if careful:
             if not _part(still, x, size, turn, fade):
+                told.found = size <= IDLE and _idles(still, fade, inertia)
                 return told
         else:
             still.move(x, min(1.0, LARGEST_TURN / turn) if turn > 0.0 else 1.0)
@@ -159,6 +177,17 @@ def _settle(still: Still, size: float, fade: np.ndarray | None, inertia: float) 
         x = still.settle(fade, inertia=inertia)
         if x is not None and still.measure(x)[0] <= size:
             still.move(x)
+
+
+def _idles(still: Still, fade: np.ndarray | None, inertia: float) -> bool:
+    """Whether all that is left to correct are motions that nothing resists, as of a pinned rod about its own axis."""
+    force, regular = still.tangent(inertia=LIFT * inertia)
+    x = still.solve(-(force if fade is None else force - fade)) if regular else force
+    if regular and still.measure(x)[0] <= FLOOR:
+        still.move(x)
+        return True
+    still.tangent(inertia=inertia)
+    return False
 
 
 def _careful(still: Still, inertia: float) -> Solution:

@@ -23,7 +23,7 @@ def initial_state(system: System, values: np.ndarray, velocity: np.ndarray, *, t
 
     Returns: the state at its step 0.
     """
-    values = _in_one_hemisphere(system, values)
+    values = in_one_hemisphere(system, values)
     momenta = momenta_of(system, values, np.where(system.free, velocity, 0.0), time)
     return State(values=values, momenta=np.where(system.free, momenta, 0.0), origin=time)
 
@@ -43,7 +43,7 @@ def _velocities_of(system: System, state: State) -> np.ndarray:
     return by_node(system, data[1:-1], rows.observed["velocity"])
 
 
-def _in_one_hemisphere(system: System, values: np.ndarray) -> np.ndarray:
+def in_one_hemisphere(system: System, values: np.ndarray) -> np.ndarray:
     """Signs of quaternions that are continuous along every chain: p and −p are one rotation, but not their mean."""
     layout = system.layout
     if layout.representation.name != "quaternion":

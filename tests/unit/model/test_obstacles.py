@@ -35,6 +35,7 @@ def test_a_box_as_a_mesh():
     assert mesh.volume == pytest.approx(6.0)
     assert mesh.edges.shape == (18, 2)
     assert mesh.convex.all()
+    assert mesh.flat.sum() == 6
     middle = mesh.vertices[mesh.triangles].mean(axis=1)
     assert (np.einsum("mk,mk->m", mesh.normals, middle - np.array(box.center)) > 0.4).all()
     assert_array_equal(np.bincount(mesh.triangle_edges[mesh.owns_edge], minlength=18), 1)
@@ -54,9 +55,17 @@ def test_valleys_have_no_owner(height, convex):
     ridge = mesh.edges.tolist().index([0, 1])
     assert mesh.convex[ridge] == convex
     assert mesh.convex.sum() == 4 + convex
+    assert mesh.flat.tolist() == [height == 0.0 and k == ridge for k in range(5)]
     assert (mesh.triangle_edges[mesh.owns_edge] == ridge).sum() == convex
     assert not mesh.closed
     assert mesh.normals[0, 2] > 0.5
+
+
+def test_a_sheet_of_two_sides_has_sharp_edges():
+    sheet = Mesh(SQUARE[:3], [[0, 1, 2], [2, 1, 0]])
+    assert sheet.closed
+    assert sheet.convex.all()
+    assert not sheet.flat.any()
 
 
 def test_turned_inside_out():

@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from cayley import Trajectory, modes
-from cayley.model import Material, Model, Rod, Section, supports
+from cayley.model import Box, Material, Model, Rod, Section, supports
 from cayley.report import write_modes, write_report
 from cayley.report.player import page as player_page
-from cayley.report.scene import Quantity, Scene, Strand
+from cayley.report.scene import Block, Flat, Quantity, Scene, Skin, Strand
 from cayley.report.swing import shown
 from unit.report.growing import first_frames, serving
 
@@ -247,6 +247,34 @@ def test_scenes(show, tmp_path):
     assert "2.5 Hz" in page.inner_text("#note")
     page.evaluate("player.go(0.25)")
     assert changed(before, picture(page)) > 100
+
+
+def test_obstacles(show, tmp_path):
+    """A body is drawn by what it carries and moves with it; the room stands on the floor, which one sees through."""
+    time, body = np.array([0.0, 1.0]), np.zeros((2, 1, 3))
+    body[:, 0, 2] = 1.0, 0.5
+    block = Block(name="dice", position=body, rotation=np.tile([1.0, 0, 0, 0], (2, 1, 1)), shaped=True)
+    dice, step = Box((0.4, 0.4, 0.4)).mesh, Box((0.2, 0.2, 0.1), center=(0.8, 0, 0.05)).mesh
+    solids = (
+        Skin(name="dice", part=0, vertices=dice.vertices, triangles=dice.triangles),
+        Skin(name="step", part=None, vertices=step.vertices, triangles=step.triangles),
+        Flat(name="floor", part=None, point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0)),
+    )
+    path = tmp_path / "obstacles.html"
+    scene = Scene(name="all", time=time, parts=(block,), solids=solids)
+    path.write_text(player_page([scene], title="Obstacles"), encoding="utf-8")
+    page = show(path.as_uri())
+    assert page.evaluate("[player.picture.low[2], player.picture.floor()]") == [0.0, 0.0]
+    assert page.evaluate("player.scene.parts[0].reach") == pytest.approx(0.2 * 3**0.5)
+    assert 0.9 < page.evaluate("player.picture.high[0]") < 1.2
+    before = picture(page)
+    page.evaluate("player.go(1)")
+    assert changed(before, picture(page)) > 1000
+    before = picture(page)
+    page.evaluate("player.picture.obstacles.drawSheer = () => {}; player.draw()")
+    pale = np.abs(picture(page) - before).max(axis=-1)
+    assert np.count_nonzero(pale > 6) > 5000  # the floor is gone
+    assert pale.max() < 100
 
 
 def test_modes(show, tmp_path):

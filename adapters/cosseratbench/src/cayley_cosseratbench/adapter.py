@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cosseratbench.scenario as suite
 import numpy as np
+from cosseratbench.solver import Capability, Diverged
+from cosseratbench.trajectory import Trajectory
 
 import cayley as cy
-import cosseratbench.scenario as suite
 from cayley.discrete.rules import Rule
 from cayley.model.settling import slowest_frequency
 from cayley.simulation import advise
@@ -16,8 +18,6 @@ from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
 from cayley_cosseratbench.start import element_directors
 from cayley_cosseratbench.translate import Translation, touches, translate
-from cosseratbench.solver import Capability, Diverged
-from cosseratbench.trajectory import Trajectory
 
 ACCURACY = 1e-5
 """Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
@@ -58,9 +58,10 @@ class Plan:
 class CayleySolver:
     """cayley, with the choices of the library.
 
-    What is quasi-static, not driven and touches nothing is solved by statics. Other quasi-static scenarios are runs with
-    the library's settling damping, of the explicit rule verlet at its step limit. A motion that is the result itself
-    takes elements of degree 2 between the nodes of the suite, with implicit steps of order 4 chosen by ``accuracy``.
+    What is quasi-static, not driven and touches nothing is solved by statics. Other quasi-static scenarios are runs
+    with the library's settling damping, of the explicit rule screw at its step limit. A motion that is the result
+    itself takes elements of degree 2 between the nodes of the suite, with implicit steps of order 4 chosen by
+    ``accuracy``.
     """
 
     name = "cayley"
@@ -68,7 +69,10 @@ class CayleySolver:
     capabilities = frozenset(Capability)
 
     def __init__(self, time_step_scale: float = 1.0) -> None:
-        """Take the factor of the step; beyond the limit of explicit rules the implicit rule midpoint takes over."""
+        """Take the factor of the step.
+
+        A step over the limit of the explicit rule is one of its implicit sibling, or, with contact, the limit.
+        """
         self.scale = float(time_step_scale)
 
     def settings(self, scenario: suite.Scenario, *, n_elements: int, n_frames: int) -> dict[str, Any]:
@@ -108,13 +112,13 @@ class CayleySolver:
 
     def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
         driven = any(rod.start_motion or rod.end_motion for rod in scenario.rods)
+        if scenario.quasi_static and not driven and not touches(scenario):
+            return Plan(STATICS, cy.rules.midpoint, n_elements)
         if not scenario.quasi_static and not touches(scenario):
             even = n_elements % 2 == 0  # an element of degree 2 has a node in its middle
             rule = cy.rules.galerkin(time=2, space=2)
             return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
-        if scenario.quasi_static and not touches(scenario) and not driven:
-            return Plan(STATICS, cy.rules.midpoint, n_elements)
-        rule = cy.rules.verlet if self.scale <= 1.0 else cy.rules.midpoint
+        rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
         return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, n_elements)
 
     def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:
@@ -122,8 +126,9 @@ class CayleySolver:
         if plan.way == MOTION:
             options: dict[str, Any] = {"rule": plan.rule, "save_every": frame, "initial": case.initial}
             return self.scale * advise(case.model, scenario.duration, ACCURACY, **options).best.dt
-        system, state = start_of_model(case.model, "quaternion", case.initial)(cy.rules.verlet)
-        return self.scale * SAFETY * system.stable_dt(state)
+        system, state = start_of_model(case.model, "quaternion", case.initial)(cy.rules.screw)
+        wanted = self.scale * SAFETY
+        return (wanted if plan.rule.implicit else min(wanted, 1.0)) * system.stable_dt(state)
 
     def _run(self, scenario: suite.Scenario, plan: Plan, case: Translation, n_frames: int) -> list[Any]:
         frame = scenario.duration / (n_frames - 1)

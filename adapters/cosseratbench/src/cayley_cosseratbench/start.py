@@ -1,9 +1,12 @@
 """How a rod of the suite stands at the start: where its nodes are, and how its sections are turned."""
 
+import cosseratbench.scenario as suite
 import numpy as np
 
-import cosseratbench.scenario as suite
 from cayley.lie import quaternion
+
+SMOOTH = 0.2
+"""Angle between two segments of a centerline up to which it samples a smooth curve; else it has a corner [rad]."""
 
 
 def node_frames(spec: suite.Rod, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -20,11 +23,27 @@ def node_frames(spec: suite.Rod, count: int) -> tuple[np.ndarray, np.ndarray]:
     nodes, directors = spec.nodes(count), spec.directors(count)
     line = np.asarray(spec.centerline, dtype=float)
     inside = nodes[2:] - nodes[:-2]  # of second order: nodes are evenly spaced
-    d3 = _units(np.vstack([line[1] - line[0], inside, line[-1] - line[-2]]))
+    d3 = _units(np.vstack([_end_tangent(line), inside, -_end_tangent(line[::-1])]))
     d1 = np.vstack([directors[:1], directors[1:] + directors[:-1], directors[-1:]])
     d1 = _units(d1 - np.sum(d1 * d3, axis=1, keepdims=True) * d3)
     frames = np.stack([d1, np.cross(d3, d1), d3], axis=2)
-    return nodes, np.array([quaternion.from_matrix(frame) for frame in frames])
+    return nodes, np.asarray(quaternion.from_matrix(frames), dtype=float)
+
+
+def _end_tangent(line: np.ndarray) -> np.ndarray:
+    """Direction at the first point of a polyline; of the parabola through three points if they sample a smooth curve.
+
+    A clamp would keep the tilt of a first segment for good.
+    """
+    first = line[1] - line[0]
+    if len(line) < 3:
+        return first
+    second = line[2] - line[1]
+    sizes = np.linalg.norm(first), np.linalg.norm(second)
+    slopes = first / sizes[0], second / sizes[1]
+    if np.linalg.norm(slopes[1] - slopes[0]) > SMOOTH:
+        return first
+    return slopes[0] - (slopes[1] - slopes[0]) * sizes[0] / (sizes[0] + sizes[1])
 
 
 def element_directors(positions: np.ndarray, rotations: np.ndarray) -> np.ndarray:

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import cosseratbench.scenario as suite
 import numpy as np
+from cosseratbench.scenario import End, EndCondition
 
 import cayley as cy
-import cosseratbench.scenario as suite
 from cayley.lie import quaternion
 from cayley_cosseratbench.start import node_frames
-from cosseratbench.scenario import End, EndCondition
 
 MEETS = 1e-9
 """Distance and angle up to which the straight rod stands where the scenario has a driven end [m, rad]."""

@@ -42,10 +42,21 @@ class Scene {
       part.rotation = new Channel("i2", 4 * part.nodes);
       for (const one of part.quantities) one.channel = new Channel("i2", part.nodes * (one.axes ? 3 : 1));
     }
+    this.parts.forEach((part, i) => (part.reach = part.kind === "block" ? this.reach(part, i) : 0));
     for (const graph of this.graphs) graph.channel = new Channel("f8", graph.names.length);
     this.low = [Infinity, Infinity, Infinity];
     this.high = [-Infinity, -Infinity, -Infinity];
     this.ranges = new Map(); // largest absolute value of each color that was asked for, and up to which frame
+  }
+
+  /** How far a body reaches from its mass center. */
+  reach(part, i) {
+    if (!part.shaped) return 0.5 * Math.hypot(...(part.sides || [0]));
+    let found = 0;
+    for (const { vertices } of this.solids.filter((solid) => solid.kind === "skin" && solid.part === i))
+      for (let k = 0; k < vertices.length; k += 3)
+        found = Math.max(found, Math.hypot(vertices[k], vertices[k + 1], vertices[k + 2]));
+    return found;
   }
 
   get frames() {
@@ -80,7 +91,7 @@ class Scene {
   /** Make the box around everything large enough for the frames from `first`. */
   widen(first) {
     for (const part of this.parts) {
-      const margin = part.kind === "block" ? 0.5 * Math.hypot(...(part.sides || [0])) : 0;
+      const margin = part.reach;
       const data = part.position.data.subarray(first * part.position.width, this.frames * part.position.width);
       for (let i = 0; i < data.length; i++) {
         const axis = i % 3;

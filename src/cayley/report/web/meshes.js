@@ -1,4 +1,4 @@
-// Meshes: the surface of a rod, a box and a ball.
+// Meshes: the surface of a rod, a box, a ball, a square and the skin of an obstacle.
 
 /** The surface of a rod, vertices by node and face around the section, and the two caps. */
 function tubeMesh({ nodes, outlines, points, normals, caps }) {
@@ -87,4 +87,33 @@ function ballMesh() {
     }
   }
   return { layout: SOLID_LAYOUT, vertices, indices };
+}
+
+/** A square with corners at -1 and 1, and its normal along the third axis. */
+function squareMesh() {
+  const corners = [-1, 1].flatMap((x) => [-1, 1].map((y) => [x, y, 0]));
+  return {
+    layout: SOLID_LAYOUT,
+    vertices: corners.flatMap((corner) => [...corner, 0, 0, 1]),
+    indices: [0, 2, 3, 0, 3, 1],
+  };
+}
+
+/** The skin of an obstacle: normals are smooth where triangles meet at less than forty degrees, else edges are sharp. */
+function skinMesh({ vertices, triangles }) {
+  const corner = (k) => vertices.slice(3 * k, 3 * k + 3);
+  const normals = [];
+  const around = new Map(); // numbers of the triangles at each vertex
+  for (let k = 0; k < triangles.length; k += 3) {
+    const [a, b, c] = triangles.slice(k, k + 3).map(corner);
+    normals.push(unit(cross(minus(b, a), minus(c, a))));
+    for (const own of triangles.slice(k, k + 3)) around.set(own, [...(around.get(own) || []), k / 3]);
+  }
+  const sharp = Math.cos((40 * Math.PI) / 180);
+  const found = triangles.flatMap((own, k) => {
+    const normal = normals[Math.floor(k / 3)];
+    const near = around.get(own).filter((other) => dot(normals[other], normal) > sharp);
+    return [...corner(own), ...unit(near.reduce((sum, other) => add(sum, normals[other]), [0, 0, 0]))];
+  });
+  return { layout: SOLID_LAYOUT, vertices: found, indices: triangles.map((_, k) => k) };
 }

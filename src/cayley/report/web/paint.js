@@ -1,4 +1,4 @@
-// WebGL 2: the surfaces of rods from a texture with the state of their nodes; boxes and balls; lines; marks.
+// WebGL 2: the surfaces of rods from a texture with the state of their nodes; boxes, balls and skins; lines; marks.
 
 const ROW = 512; // texels in a row of the state: two for each node, place and value, then rotation
 
@@ -56,10 +56,10 @@ void main() {
   `#version 300 es
 precision highp float;
 in vec3 vNormal;
-uniform vec3 own;
+uniform vec3 own; uniform float alpha;
 out vec4 color;
 ${LIGHT}
-void main() { color = vec4(lit(own, vNormal), 1.0); }`,
+void main() { color = vec4(lit(own, vNormal), alpha); }`,
 ];
 
 const LINE = [
@@ -99,6 +99,9 @@ class Painter {
     this.line = this.program(LINE);
     this.box = this.mesh(this.solid, boxMesh());
     this.ball = this.mesh(this.solid, ballMesh());
+    this.square = this.mesh(this.solid, squareMesh());
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.polygonOffset(1, 1);
     this.loose = gl.createVertexArray();
     gl.bindVertexArray(this.loose);
     this.looseBuffer = gl.createBuffer();
@@ -209,8 +212,18 @@ class Painter {
   }
 
   drawSolid(mesh, values) {
-    this.use(this.solid, values);
+    this.use(this.solid, { alpha: 1, ...values });
     this.drawMesh(mesh);
+  }
+
+  /** Draw what one sees through: after all else, behind what lies in it, and hiding nothing. */
+  sheer(draw) {
+    const gl = this.gl;
+    for (const what of [gl.BLEND, gl.POLYGON_OFFSET_FILL]) gl.enable(what);
+    gl.depthMask(false);
+    draw();
+    gl.depthMask(true);
+    for (const what of [gl.BLEND, gl.POLYGON_OFFSET_FILL]) gl.disable(what);
   }
 
   drawMesh({ array, count }) {

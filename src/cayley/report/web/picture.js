@@ -4,6 +4,7 @@ const INK = [0.1, 0.1, 0.1, 1];
 const GRAY = [0.42, 0.42, 0.42, 1];
 const PALE = [0.87, 0.87, 0.86, 1];
 const STEEL = [0.66, 0.71, 0.76];
+const STONE = [0.82, 0.79, 0.73];
 const AXIS_COLORS = [
   [0.84, 0.37, 0, 1],
   [0, 0.62, 0.45, 1],
@@ -23,6 +24,7 @@ class Picture {
     this.scene = scene;
     if (!this.camera || this.camera.up.join() !== scene.up.join()) this.camera = new Camera(scene.up);
     this.rods = scene.rods ||= scene.parts.map((part) => (part.kind === "strand" ? this.painter.strand(part) : null));
+    this.obstacles = scene.obstacles ||= new Obstacles(scene, this.painter);
     this.fit();
   }
 
@@ -34,11 +36,15 @@ class Picture {
 
   /** Make the room as large as all frames need, and choose the distance of its ticks. */
   widen() {
-    const { low, high } = this.scene;
+    const { low, high, floor } = this.obstacles.room();
     const longest = Math.max(...minus(high, low), 1e-9);
     const middle = times(0.5, add(low, high));
     const half = minus(high, low).map((side) => 0.5 * Math.max(side, 0.15 * longest) + 0.03 * longest);
     [this.low, this.high] = [minus(middle, half), add(middle, half)];
+    if (floor !== null) {
+      const k = this.directions()[2];
+      (this.scene.up[k] > 0 ? this.low : this.high)[k] = floor;
+    }
     this.step = roundUp(longest / 6);
   }
 
@@ -103,11 +109,17 @@ class Picture {
       } else rigid.push([part, poses[i], values]);
       if (frames) lines.push(...this.triads(part, poses[i]));
     });
-    for (const [part, pose, values] of rigid)
-      this.drawBlock(part, pose, values && this.rgb(values[0], range, color.map), common, lines);
+    const colors = new Map();
+    for (const [part, pose, values] of rigid) {
+      const own = (values && this.rgb(values[0], range, color.map)) || STEEL;
+      colors.set(scene.parts.indexOf(part), own);
+      this.drawBlock(part, pose, own, common, lines);
+    }
+    this.obstacles.draw(poses, colors, common, lines, this);
     for (const link of scene.links)
       lines.push(...segment(this.locate(link.first, poses), this.locate(link.second, poses), GRAY));
     painter.drawLoose(lines, 0, matrix);
+    painter.sheer(() => this.obstacles.drawSheer(common));
     this.drawMarks(poses, ports, matrix, selected);
     this.labels();
   }
@@ -136,10 +148,10 @@ class Picture {
 
   drawBlock(part, pose, rgb, common, lines) {
     const [place, q] = [pose.place(0), pose.node(0)];
-    const own = { ...common, place, own: rgb || STEEL };
-    if (part.sides)
+    const own = { ...common, place, own: rgb };
+    if (part.sides && !part.shaped)
       this.painter.drawSolid(this.painter.box, { ...own, rotation: product(q, part.turn), sides: part.sides });
-    else {
+    else if (!part.shaped) {
       const size = 0.04 * this.camera.size;
       this.painter.drawSolid(this.painter.ball, { ...own, rotation: q, sides: [size, size, size] });
     }
