@@ -12,10 +12,10 @@ from cayley.system.system import System
 class SimulationError(RuntimeError):
     """A run that stopped: the message tells time, place and remedy; what was saved before is in ``partial``."""
 
-    def __init__(self, message: str, partial: Trajectory) -> None:
-        """Hold the message and the frames saved before."""
+    def __init__(self, message: str, partial: Trajectory, *, too_fast: bool = False) -> None:
+        """Hold the message and the frames saved before; too_fast: for what touches, a smaller step would do."""
         super().__init__(message)
-        self.partial = partial
+        self.partial, self.too_fast = partial, too_fast
 
 
 class Interrupted(KeyboardInterrupt):

@@ -105,7 +105,8 @@ def run(
     if stopped:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
-        raise SimulationError(explain(system, result, trajectory), trajectory)
+        too_fast = result.outcome is Outcome.FAST
+        raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=too_fast)
     return trajectory
 
 
