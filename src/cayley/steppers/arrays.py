@@ -141,7 +141,7 @@ def _shared(plan: "Plan", cells: Cells, times: int) -> dict[str, Any]:
 
 
 def places(plan: "Plan", nodes: np.ndarray) -> np.ndarray:
-    """(offset, stride) in the matrix for every pair of nodes of every cell, −1 at the ground, shape (*nodes.shape, k, 2)."""
+    """(offset, stride) in the matrix for every pair of nodes of every cell, −1 at the ground, shape (m, k, k, 2)."""
     inside = np.minimum(nodes, plan.size - 1)
     blocks = np.where(nodes < plan.size, plan.block_of[inside], -1)
     width = nodes.shape[1]

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cayley.steppers import problem
+from cayley.steppers.cells import constraint_cells, term_cells
 from cayley.steppers.contact_plan import ContactPlan
 from cayley.steppers.contacts import TOLD, make_contacts
-from cayley.steppers.cells import constraint_cells, term_cells
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
 from cayley.steppers.turned_run import run_turned
