@@ -61,7 +61,7 @@ def stepper_of(system: System) -> ModuleType:
     """The module that steps a system."""
     if system.equations.rule.implicit:
         return implicit_run
-    coupled = is_constrained(system) or system.springs or system.members
+    coupled = is_constrained(system) or system.springs or system.members or system.contact is not None
     return coupled_run if coupled else decoupled_run
 
 

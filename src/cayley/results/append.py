@@ -16,6 +16,7 @@ from cayley.results.observe import Observations
 from cayley.results.outline import Outline
 from cayley.results.record import model_record
 from cayley.results.tie_record import driven_functions
+from cayley.steppers.contacts import TOLD
 
 FORMAT = "cayley run"
 VERSION = 2
@@ -40,7 +41,9 @@ def about_run(
 ) -> dict[str, Any]:
     """Attributes of a store, without "info"; only: the nodes it has, if not all."""
     layout = outline.layout
-    some = {} if only is None else {"only": [int(node) for node in only], "size": len(outline.nodes)}
+    some: dict[str, Any] = {} if only is None else {"only": [int(node) for node in only], "size": len(outline.nodes)}
+    if model is not None and model.contact is not None:  # numbers of a frame
+        some["contact"] = TOLD + len(outline.nodes) * layout.dofs
     return some | {
         "format": FORMAT,
         "version": VERSION,
@@ -101,6 +104,8 @@ def append_frames(root: Any, outline: Outline, frames: Frames, model: Model | No
         put(root, {"work": ("J", frames.work)}, ("time", "cell", "account"), start=start)
     if frames.rates is not None and (start == 0 or "rates" in root):
         put(root, {"rates": (None, frames.rates)}, ("time", "node", "component"), start=start)
+    if frames.contact is not None and (start == 0 or "contact" in root):
+        put(root, {"contact": (None, frames.contact)}, ("time", "contact_row"), start=start)
     for k, load in enumerate(model.loads if model is not None else ()):
         if isinstance(load, PointLoad | LineLoad) and callable(load.value):
             group = root.require_group(f"loads/{k}")

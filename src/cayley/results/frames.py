@@ -24,6 +24,8 @@ class Frames:
         rates: velocities ω and ẋ that the last three steps of an implicit rule say, if forces depend on velocities,
             shape (m, nodes, dofs): with u, w, v the mean velocities of these steps v + w/2 − u/2, which is of order 2
             and does not know what decays within a step; not numbers before the third step.
+        contact: what is told of contacts (energy, loss, deepest in radii, ..., see steppers.contacts.TOLD) and behind
+            it their forces on all nodes, shape (m, TOLD + nodes × dofs), or None.
     """
 
     times: np.ndarray
@@ -35,6 +37,7 @@ class Frames:
     memory: np.ndarray | None = None
     work: np.ndarray | None = None
     rates: np.ndarray | None = None
+    contact: np.ndarray | None = None
 
     @classmethod
     def of(cls, state: State) -> "Frames":
@@ -64,13 +67,15 @@ class Frames:
     def at_nodes(self, nodes: np.ndarray) -> "Frames":
         """The same frames of some nodes."""
         rates = None if self.rates is None else self.rates[:, nodes]
-        return replace(self, values=self.values[:, nodes], momenta=self.momenta[:, nodes], memory=None, rates=rates)
+        return replace(
+            self, values=self.values[:, nodes], momenta=self.momenta[:, nodes], memory=None, rates=rates, contact=None
+        )
 
     def then(self, later: "Frames") -> "Frames":
         """These frames, and those behind them."""
         if not len(self.times):
             return later
-        names = ("times", "steps", "values", "momenta", "work", "rates")
+        names = ("times", "steps", "values", "momenta", "work", "rates", "contact")
         both = {name: (getattr(self, name), getattr(later, name)) for name in names}
         joined: dict[str, Any] = {
             name: np.concatenate(pair) if pair[0] is not None else None for name, pair in both.items()
@@ -88,6 +93,7 @@ class Frames:
             memory=None,
             work=None if self.work is None else self.work[which],
             rates=None if self.rates is None else self.rates[which],
+            contact=None if self.contact is None else self.contact[which],
         )
 
 
@@ -104,6 +110,7 @@ def by_group(system: System, frames: Frames) -> list[tuple[System, Frames]]:
             memory=None,
             work=None if frames.work is None else frames.work[:, cells],
             rates=None if frames.rates is None else frames.rates[:, nodes],
+            contact=None,
         )
         found.append((group, own))
     return found

@@ -47,7 +47,7 @@ class Known:
         layout, nodes = outline.layout, len(outline.nodes)
         wanted = committed(root)
         states = [f"fields/{name}/{key}" for name in layout.fields for key in ("value", "momentum")]
-        names = ["time", "step", *states, *(name for name in ("work", "rates") if name in root)]
+        names = ["time", "step", *states, *(name for name in ("work", "rates", "contact") if name in root)]
         read = {name: _prefix(source, root, name, wanted) for name in names if wanted}
         count = min((len(values) for values in read.values()), default=0)
         short = [name for name, values in read.items() if len(values) == count]
@@ -63,6 +63,7 @@ class Known:
             h=float(about["dt"]),
             work=read["work"][:count] if "work" in read else None,
             rates=read["rates"][:count] if "rates" in read else None,
+            contact=read["contact"][:count] if "contact" in read else None,
         )
         for name in layout.fields if wanted else ():
             frames.values[..., layout.rows_of(name)] = read[f"fields/{name}/value"][:count]
@@ -72,7 +73,8 @@ class Known:
             # of implicit rules one pair of work and loss, and rates behind it
             pairs = 1 if by_name(outline.rule).implicit else None
             size = int(about.get("size", nodes))
-            late, latest = _of_journal(frames, source, (size, layout.rows), (size, layout.dofs), pairs)
+            touching = int(about.get("contact", 0))
+            late, latest = _of_journal(frames, source, (size, layout.rows), (size, layout.dofs), (pairs, touching))
             memories |= latest
             if late is not None:
                 frames = frames.then(late if only is None else late.at_nodes(np.asarray(only)))
@@ -106,7 +108,7 @@ def whole_state(path: Path, about: Mapping[str, Any], outline: Outline) -> tuple
         found = {"memory": more.get("memory"), "work": work}
         return State(values=values, momenta=momenta, origin=origin, step=step, h=h, **found), count
     for entry in journal.read(path):
-        own = _split(entry, (size, layout.rows), (size, layout.dofs), None)
+        own = _split(entry, (size, layout.rows), (size, layout.dofs), (None, int(about.get("contact", 0))))
         values, momenta, step = own["values"][0].copy(), own["momenta"][0].copy(), int(own["steps"][0])
         return State(values=values, momenta=momenta, origin=origin, step=step, h=h), 0
     raise ValueError(f"{path} has no state to go on from")
@@ -157,23 +159,25 @@ def _memories(root: Any, steps: np.ndarray) -> dict[int, np.ndarray]:
 
 
 def _of_journal(
-    frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int], pairs: int | None
+    frames: Frames, folder: Path, values: tuple[int, int], momenta: tuple[int, int], more: tuple[int | None, int]
 ) -> tuple[Frames | None, dict[int, np.ndarray]]:
     """Frames of the journal behind others, of all nodes, and what is remembered at some, numbered after those."""
     first, memories = len(frames.times), {}
-    found: dict[str, list[np.ndarray]] = {name: [] for name in ("steps", "values", "momenta", "work", "rates")}
+    found: dict[str, list[np.ndarray]] = {
+        name: [] for name in ("steps", "values", "momenta", "work", "rates", "contact")
+    }
     last, count, shapes = int(frames.steps[-1]) if first else -1, 0, (values, momenta)
     for entry in journal.read(folder):
         if entry.tag == journal.FRAMES and entry.step > last:
             last, count = entry.step, count + entry.count
-            for name, numbers in _split(entry, *shapes, pairs).items():
+            for name, numbers in _split(entry, *shapes, more).items():
                 found[name].append(numbers)
         elif entry.tag == journal.MEMORY and entry.step == last:
             memories[first + count - 1] = entry.numbers.copy()
     if not count:
         return None, memories
     joined = {name: np.concatenate(own) for name, own in found.items()}
-    steps, work, rates = joined["steps"].astype(np.int64), joined["work"], joined["rates"]
+    steps, work, rates, contact = joined["steps"].astype(np.int64), joined["work"], joined["rates"], joined["contact"]
     return Frames(
         times=frames.origin + steps * frames.h,
         steps=steps,
@@ -183,20 +187,27 @@ def _of_journal(
         h=frames.h,
         work=work.reshape(count, -1, 2) if work.size else None,
         rates=rates.reshape(count, *momenta) if rates.size else None,
+        contact=contact if contact.size else None,
     ), memories
 
 
 def _split(
-    entry: journal.Entry, values: tuple[int, int], momenta: tuple[int, int], pairs: int | None
+    entry: journal.Entry, values: tuple[int, int], momenta: tuple[int, int], more: tuple[int | None, int]
 ) -> dict[str, np.ndarray]:
-    """Steps, values, momenta, work and rates of a record, frame by frame."""
+    """Steps, values, momenta, work, rates and what contacts were of a record, frame by frame.
+
+    more: pairs of work and loss (None: all that is left), and numbers of contacts in a frame.
+    """
     m, sizes = entry.count, (1, values[0] * values[1], momenta[0] * momenta[1])
     parts = np.split(entry.numbers, np.cumsum([m * size for size in sizes]))
-    rest = parts[3].size if pairs is None else 2 * pairs * m
+    pairs, touching = more
+    behind = parts[3].size - m * touching
+    rest = behind if pairs is None else 2 * pairs * m
     return {
         "steps": parts[0],
         "values": parts[1].reshape(m, *values),
         "momenta": parts[2].reshape(m, *momenta),
         "work": parts[3][:rest].reshape(m, -1),
-        "rates": parts[3][rest:].reshape(m, -1),
+        "rates": parts[3][rest:behind].reshape(m, -1),
+        "contact": parts[3][behind:].reshape(m, -1),
     }

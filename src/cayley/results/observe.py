@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from cayley.results.beside import ForcesBeside, forces_beside
+from cayley.results.contact import contact_energy, contact_forces
 from cayley.results.elements import element_starts
 from cayley.results.frames import Frames, by_group
 from cayley.results.held import held_nodes, support_forces
@@ -25,7 +26,7 @@ class Observations:
     Args:
         velocity: ẋ and ω by the Legendre transform of the momenta, shape (m, nodes, dofs).
         kinetic: kinetic energy [J], shape (m,).
-        strain: strain energy, with that of springs [J], shape (m,).
+        strain: strain energy, with that of springs and contacts [J], shape (m,).
         load: energy of the load terms of the density [J], shape (m,).
         resultants: spatial momenta σ and Σ at the nodes, shape (m, nodes, dofs).
         slopes: derivatives along the interval at the first point of each element, shape (m, nodes, dofs), that of an
@@ -86,7 +87,7 @@ def observe(system: System, frames: Frames) -> Observations:
     return Observations(
         velocity=part["velocity"],
         kinetic=kinetic,
-        strain=strain + spring_energy(*_tied(system, frames)),
+        strain=strain + spring_energy(*_tied(system, frames)) + contact_energy(frames),
         load=load,
         resultants=spatial,
         slopes=slopes,
@@ -177,6 +178,7 @@ def _complete(
     part["load"] += beside.outer
     tied, seen = _tied(system, frames)
     part["point"] = spring_forces(tied, seen, acting)
+    part["point"] += contact_forces(system, frames)
     total = part["load"] + part["point"] + sum(timed_loads(system, frames))
     if degree == 1:
         part["left"] += beside.inner[:, :, 0]

@@ -67,7 +67,7 @@ class Writer:
         rows = [outline.layout.rows_of(name) for name in outline.layout.fields]
         self.chunk = chunk_frames(np.zeros((1, len(outline.nodes), max(own.stop - own.start for own in rows))))
         self._taken = self.done
-        self._pending: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]] = []
+        self._pending: list[tuple[np.ndarray | None, ...]] = []
         self._memory: np.ndarray | None = None
         self._failed: Exception | None = None
         self._queue: queue.Queue[Any] = queue.Queue(WAITING)
@@ -89,6 +89,7 @@ class Writer:
         *,
         work: np.ndarray | None,
         rates: np.ndarray | None,
+        contact: np.ndarray | None,
         memory: np.ndarray | None,
     ) -> None:
         """Take frames, at most ``room``, and what is remembered at the last of them.
@@ -98,14 +99,14 @@ class Writer:
         """
         self._raise()
         try:
-            more = [own for own in (work, rates) if own is not None]
+            more = [own for own in (work, rates, contact) if own is not None]
             self._journal.add(FRAMES, int(steps[-1]), [steps, values, momenta, *more], len(steps))
             if memory is not None:
                 self._journal.add(MEMORY, int(steps[-1]), [memory])
         except OSError as error:
             self._failed = error
             self._raise()
-        self._pending.append((steps, values, momenta, work, rates))
+        self._pending.append((steps, values, momenta, work, rates, contact))
         self._memory = memory
         self._taken += len(steps)
         if self._taken % self.chunk == 0:
@@ -152,7 +153,7 @@ class Writer:
     def _flush(self, pending: Sequence[Any], memory: np.ndarray | None) -> None:
         """Write frames to the arrays, and then that they are there."""
         steps, values, momenta = (np.concatenate([block[k] for block in pending]) for k in range(3))
-        works, rates = ([block[k] for block in pending if block[k] is not None] for k in (3, 4))
+        works, rates, contact = ([block[k] for block in pending if block[k] is not None] for k in (3, 4, 5))
         frames = Frames(
             times=self.origin + steps * self.h,
             steps=steps,
@@ -162,6 +163,7 @@ class Writer:
             h=self.h,
             work=np.concatenate(works) if works else None,
             rates=np.concatenate(rates) if rates else None,
+            contact=np.concatenate(contact) if contact else None,
         )
         known = frames if self.only is None else frames.at_nodes(self.only)
         append_frames(self.root, self.outline.at_nodes(self.only), known, self.model, self.done)
@@ -241,6 +243,7 @@ def finish(path: Path, system: System, outline: Outline, info: Mapping[str, Any]
             h=float(root.attrs["dt"]),
             work=np.asarray(root["work"][some]) if "work" in root else None,
             rates=np.asarray(root["rates"][some]) if "rates" in root else None,
+            contact=np.asarray(root["contact"][some]) if "contact" in root else None,
         )
         append_observed(root, outline, observe(system, frames), first)
         group.attrs["observed"] = some.stop

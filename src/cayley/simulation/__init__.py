@@ -1,5 +1,6 @@
 """Run a model or any compiled Lagrangian through time."""
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +30,10 @@ from cayley.system.system import State, System
 
 CANDIDATES = (rules.verlet, rules.midpoint, rules.galerkin(time=2), rules.galerkin(time=3))
 """Rules among which an accuracy chooses; all have the same nodes."""
+_log = logging.getLogger("cayley.run")
+
+SLOWER = 10
+"""Tries with half the step each where parts touch too fast."""
 ATTEMPTS = 4
 """How often a rule and step are chosen, when runs stop that their trials promised."""
 
@@ -117,6 +122,8 @@ def simulate(
         again = replace(saves, overwrite=saves.overwrite or attempt > 0, only=only)
         return _run(system, state, t_end, dt, again, **options, model=model, parts=parts)
 
+    if accuracy is None and dt is None and model.contact is not None:
+        return _run_slower(rule or rules.verlet, run)
     if accuracy is None:
         return run(rule or rules.verlet, dt)
     _check_accuracy(accuracy, dt)
@@ -259,6 +266,20 @@ def _task(
         ties=lambda rule: seconds_of_ties(rule, system),
         busy_after=max((start for start in starts if start < t_end), default=0.0),
     )
+
+
+def _run_slower(rule: Rule, run: Callable[[Rule, float | None, int], Trajectory]) -> Trajectory:
+    """Run with the step of the limit; where something touches too fast for it, again with half of it."""
+    dt: float | None = None
+    for attempt in range(SLOWER):
+        try:
+            return run(rule, dt, attempt)
+        except SimulationError as error:
+            if not error.too_fast or attempt == SLOWER - 1:
+                raise
+            dt = 0.5 * error.partial.frames.h
+            _log.info("parts touch too fast at t = %.3g s: again with dt = %.3g s", error.partial.time[-1], dt)
+    raise AssertionError
 
 
 def _run_chosen(task: Task, rules: Sequence[Rule], run: Callable[[Rule, float, int], Trajectory]) -> Trajectory:

@@ -12,10 +12,10 @@ from cayley.system.system import System
 class SimulationError(RuntimeError):
     """A run that stopped: the message tells time, place and remedy; what was saved before is in ``partial``."""
 
-    def __init__(self, message: str, partial: Trajectory) -> None:
-        """Hold the message and the frames saved before."""
+    def __init__(self, message: str, partial: Trajectory, *, too_fast: bool = False) -> None:
+        """Hold the message and the frames saved before; too_fast: for what touches, a smaller step would do."""
         super().__init__(message)
-        self.partial = partial
+        self.partial, self.too_fast = partial, too_fast
 
 
 class Interrupted(KeyboardInterrupt):
@@ -48,6 +48,12 @@ def explain(system: System, result: Result, trajectory: Trajectory) -> str:
         node = f" at node {place}{node}"
     if result.outcome is Outcome.REDUNDANT:
         return f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; hold less"
+    if result.outcome is Outcome.FAST:
+        return (
+            f"stopped at t = {time:.6g} s (step {result.step}), at {result.partners}: {result.outcome.value}; give dt "
+            f"below {0.5 * h:.3g} s. The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the "
+            "exception's .partial"
+        )
     limit = system.stable_dt(result.state) if np.isfinite(result.state.values).all() else math.nan
     remedy = (
         f"give dt below {0.5 * h:.3g} s"

@@ -24,29 +24,33 @@ class Block:
     momenta: np.ndarray
     work: np.ndarray | None = None
     rates: np.ndarray | None = None
+    contact: np.ndarray | None = None
 
     @classmethod
-    def of(cls, state: State) -> "Block":
-        """The one of a state."""
-        work = None if state.work is None else state.work[None]
-        return cls(np.array([state.step]), state.values[None], state.momenta[None], work)
+    def of(cls, state: State, contact: np.ndarray | None = None) -> "Block":
+        """The one of a state, with what contacts are there."""
+        work, touching = (None if own is None else own[None] for own in (state.work, contact))
+        return cls(np.array([state.step]), state.values[None], state.momenta[None], work, contact=touching)
 
 
 class Record:
     """The frames of a run."""
 
-    def __init__(self, begin: State, writer: Writer | None = None, *, known: bool = False) -> None:
+    def __init__(
+        self, begin: State, writer: Writer | None = None, *, known: bool = False, contact: np.ndarray | None = None
+    ) -> None:
         """Begin with a state.
 
         Args:
             begin: the state.
             writer: takes the frames; they stay in memory without one.
             known: whether the writer's store has the frame of the state.
+            contact: what frames have of contacts there.
         """
         self.begin, self.writer, self.known = begin, writer, known
         self._last = begin.step
         self._count = 1.0
-        self._blocks = [] if known else [Block.of(begin)]
+        self._blocks = [] if known else [Block.of(begin, contact)]
         self._fresh = len(self._blocks)
 
     def most(self, frames: int) -> int:
@@ -76,7 +80,12 @@ class Record:
         blocks = _completed(self._blocks)
         for k, block in enumerate(blocks):
             last = k == len(blocks) - 1 and state is not None
-            more = {"work": block.work, "rates": block.rates, "memory": state.memory if last and state else None}
+            more = {
+                "work": block.work,
+                "rates": block.rates,
+                "contact": block.contact,
+                "memory": state.memory if last and state else None,
+            }
             self.writer.add(block.steps, block.values, block.momenta, **more)
         self._blocks, self._fresh = [], 0
 
@@ -90,7 +99,8 @@ class Record:
         """All frames that are in memory."""
         blocks = _completed(self._blocks)
         steps = np.concatenate([block.steps for block in blocks])
-        works, rates = ([own for b in blocks if (own := getattr(b, name)) is not None] for name in ("work", "rates"))
+        names = ("work", "rates", "contact")
+        works, rates, contact = ([own for b in blocks if (own := getattr(b, name)) is not None] for name in names)
         return Frames(
             times=self.begin.origin + steps * self.begin.h,
             steps=steps,
@@ -101,13 +111,14 @@ class Record:
             memory=memory,
             work=np.concatenate(works) if works else None,
             rates=np.concatenate(rates) if rates else None,
+            contact=np.concatenate(contact) if contact else None,
         )
 
 
 def _completed(blocks: Sequence[Block]) -> list[Block]:
     """Blocks with work and loss and rates, if others have them; no work at the start, and no rates (NaN)."""
     found = list(blocks)
-    for name, nothing in (("work", 0.0), ("rates", np.nan)):
+    for name, nothing in (("work", 0.0), ("rates", np.nan), ("contact", 0.0)):
         known = [own for block in found if (own := getattr(block, name)) is not None]
         if known:
             shape = known[-1].shape[1:]

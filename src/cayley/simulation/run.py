@@ -17,6 +17,7 @@ from cayley.results.writer import Writer, begin_store, finish
 from cayley.simulation.failure import Interrupted, SimulationError, explain, name_of
 from cayley.simulation.record import Record
 from cayley.simulation.saves import Saves, positive
+from cayley.steppers.contacts import at_start
 from cayley.steppers.outcome import Outcome, Result
 from cayley.system.system import State, System
 
@@ -78,7 +79,8 @@ def run(
                 saves.store, outline.at_nodes(saves.only), about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite
             )
         store = Writer(saves.store, system, model, begin.h, begin.origin, only=saves.only)
-    record = Record(begin, store, known=resumed and (store is None or store.done > 0))
+    known = resumed and (store is None or store.done > 0)
+    record = Record(begin, store, known=known, contact=None if known else at_start(system, begin.values, begin.h))
     facts = {"rule": str(system.equations.rule), "dt": begin.h, "nodes": system.size, "store": str(saves.store or "")}
     _log.info(
         "run of %s: %d steps of %.3g s from t = %.6g s", name_of(system), plan.steps, plan.h, begin.time, extra=facts
@@ -103,7 +105,8 @@ def run(
     if stopped:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
-        raise SimulationError(explain(system, result, trajectory), trajectory)
+        too_fast = result.outcome is Outcome.FAST
+        raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=too_fast)
     return trajectory
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.simulation.failure import name_of
+from cayley.steppers.contacts import view
 from cayley.steppers.outcome import Outcome
 from cayley.steppers.saddle import constrained_nodes, is_constrained, projected, violation
 from cayley.system.discretize import discretize, initial_values
@@ -18,6 +19,8 @@ from cayley.system.system import State, System
 
 START_TOLERANCE = 1e-8
 """Largest violation of a constraint at the start; the first step removes it."""
+OVERLAP = 0.02
+"""Depth at the start, in radii, that is no overlap."""
 
 
 def start_of_model(
@@ -49,9 +52,33 @@ def start_of_model(
         state = initial_state(system, values, velocity)
         given = np.isfinite(momenta) & system.free
         state = replace(state, momenta=np.where(given, momenta, state.momenta))
+        refuse_overlap(system, state.values)
         return system, _consistent(system, state, check_rates=not given.any())
 
     return begin
+
+
+def refuse_overlap(system: System, values: np.ndarray) -> None:
+    """Refuse a start at which parts overlap, unless the Contact allows it.
+
+    Raises:
+        ValueError: it names the two that overlap most, and how much.
+    """
+    touching = system.contact
+    if touching is None or touching.contact.allow_overlap:
+        return
+    seen = view(system, values, 1.0)
+    if not len(seen):
+        return
+    deep = seen[:, 3] / seen[:, 4]
+    worst = seen[int(np.argmax(deep))]
+    if deep.max() <= OVERLAP:
+        return
+    raise ValueError(
+        f"at the start {touching.described(int(worst[0]), int(worst[1]))} overlap by {worst[3]:.3g} m "
+        f"({deep.max():.3g} radii), {np.count_nonzero(deep > OVERLAP)} pairs in all; move them apart, or give "
+        "Contact(allow_overlap=True), which pushes them apart gently"
+    )
 
 
 def start_of_system(system: System, start: Mapping[str, Any] | State, time: float) -> State:

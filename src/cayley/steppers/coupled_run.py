@@ -10,6 +10,7 @@ import numpy as np
 
 from cayley.steppers import problem, saddle
 from cayley.steppers.cells import spring_cells
+from cayley.steppers.contacts import TOLD, make_contacts, with_ground
 from cayley.steppers.native import fill, structure
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
@@ -50,6 +51,7 @@ class Explicit:
         groups: the densities.
         slot: group, block, lane, first row of values, of momenta and of predicted velocities (−1 without) of the
             constrained nodes, shape (n, 6).
+        touching: the same of all nodes, and the first row to which forces are added, shape (nodes, 7).
         entries: loads: group, block, lane, row, row of the rotation, form and column, shape (k, 7).
         scales: their factors and levers, shape (k, 4).
     """
@@ -57,6 +59,7 @@ class Explicit:
     plan: Plan
     groups: tuple[Group, ...]
     slot: np.ndarray
+    touching: np.ndarray
     entries: np.ndarray
     scales: np.ndarray
 
@@ -80,6 +83,7 @@ def make_plan(system: System) -> Explicit:
         plan=plan,
         groups=tuple(_group(group, slots[own], known[own]) for group, own in system.spans),
         slot=np.ascontiguousarray(slots[nodes, :6]),
+        touching=np.ascontiguousarray(slots),
         entries=entries,
         scales=scales,
     )
@@ -151,19 +155,23 @@ def run(
             aligned((count, own.shape[0] - 2, group.system.equations.rows.kept, own.shape[2]))
             for group, own in zip(explicit.groups, data, strict=True)
         ]
-        outcome, reached, counts, memory = _advance(explicit, data, state, stride, frames, works)
+        call = _advance(explicit, data, state, stride, frames, works)
+        outcome, reached, counts = call.outcome, call.reached, call.counts
         if reached:
             values, momenta, own = _unpacked(explicit, [part[:reached] for part in frames])
             last = state.step + reached * stride
-            known = memory if outcome is Outcome.FINISHED else None
+            known = call.memory if outcome is Outcome.FINISHED else None
             state = replace(state, values=values[-1], momenta=momenta[-1], step=last, memory=known)
             more: dict[str, Any] = {}
             if system.accounted:
                 more["work"] = joined([*own, works[:reached]], axis=1)
                 state = replace(state, work=more["work"][-1])
+            if system.contact is not None:
+                more["contact"] = call.contact[:reached]
             receive(values, momenta, **more)
         if outcome is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]))
+            last = state.step + int(counts[2]) - reached * stride
+            return Result(outcome, state, last, int(counts[3]), partners=call.partners)
         done += count
         if progress is not None:
             progress(done / saves, state.time)
@@ -192,19 +200,48 @@ def prepare(system: System) -> None:
     make_plan(embedded(system))
 
 
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """What one call of the driver returns.
+
+    Args:
+        outcome: how it ended.
+        reached: frames written.
+        counts: see struct problem.
+        memory: multipliers, and what is remembered of contacts.
+        contact: of each frame what is told of contacts and their forces on all nodes, flat, shape (frames, k).
+        partners: which touch where it stopped for that.
+    """
+
+    outcome: Outcome
+    reached: int
+    counts: np.ndarray
+    memory: np.ndarray
+    contact: np.ndarray
+    partners: str
+
+
 def _advance(
     explicit: Explicit, data: list[np.ndarray], state: State, stride: int, frames: list[np.ndarray], works: np.ndarray
-) -> tuple[Outcome, int, np.ndarray, np.ndarray]:
-    """One call of the driver: the outcome, the frames reached, counts (see struct problem), and the multipliers."""
+) -> _Call:
+    """One call of the driver."""
     plan = explicit.plan
     system, steps = plan.system, len(works) * stride
     made = problem.make_problem(plan, state, steps, len(works), {"works": works})
     if state.work is not None:
         made.arrays["energy"][1:] = state.work[-1]
     sizes = [c["start"].size for c in made.couplings]
-    if state.memory is not None and state.memory.shape == (sum(sizes),):
+    kept = None if state.memory is None else np.split(state.memory, [sum(sizes)])
+    if kept is not None and kept[0].size == sum(sizes):
         for coupling, end, size in zip(made.couplings, np.cumsum(sizes), sizes, strict=True):
-            coupling["start"][:] = state.memory[end - size : end].reshape(coupling["start"].shape)
+            coupling["start"][:] = kept[0][end - size : end].reshape(coupling["start"].shape)
+    contacts = None if system.contact is None else make_contacts(system, state.h)
+    told, force = (
+        np.zeros((len(works), TOLD)),
+        np.zeros((len(works), system.size if contacts else 0, system.layout.dofs)),
+    )
+    if contacts is not None:
+        contacts.begin(state.values, None if kept is None else kept[1])
     table = np.zeros((1, 1))
     if system.loads is not None:
         times = state.origin + (state.step + np.arange(steps + 1)) * state.h
@@ -214,6 +251,10 @@ def _advance(
     structs = (structure("explicit_group") * len(groups))(*(fill("explicit_group", fields) for fields in groups))
     arrays = {
         "slot": explicit.slot,
+        "contact_slot": explicit.touching,
+        "contact_values": with_ground(system.layout, state.values),
+        "contact_told": told,
+        "contact_force": force,
         "given": given,
         "before": np.zeros_like(given),
         "table": table,
@@ -222,6 +263,7 @@ def _advance(
     }
     numbers = {
         "problem": ctypes.addressof(made.struct),
+        "contacts": 0 if contacts is None else ctypes.addressof(contacts.struct),
         "group": ctypes.addressof(structs),
         "groups": len(groups),
         "columns": table.shape[1],
@@ -235,7 +277,16 @@ def _advance(
     elif outcome is Outcome.NOT_CONVERGED:
         counts[3] = -1
     memory = np.concatenate([np.zeros(0), *(c["start"].reshape(-1) for c in made.couplings)])
-    return outcome, reached.value, counts, memory
+    partners = ""
+    if contacts is not None and system.contact is not None:
+        if outcome is Outcome.FAST:
+            partners = system.contact.described(*(int(k) for k in contacts.arrays["blame"]))
+            counts[3] = -1
+        elif outcome is Outcome.FINISHED:
+            memory = np.concatenate([memory, contacts.remember()])
+        contacts.end()
+    contact = np.concatenate([told, force.reshape(len(works), -1)], axis=1)
+    return _Call(outcome, reached.value, counts, memory, contact, partners)
 
 
 def _fields(group: Group, data: np.ndarray, frames: np.ndarray) -> dict[str, Any]:

@@ -22,6 +22,7 @@ class Outcome(enum.Enum):
         "multipliers are too large there for steps of the rule screw_midpoint this long, which tend to be unstable; "
         "take midpoint"
     )
+    FAST = "what touches there comes nearer by too much of its radius in one step: it might pass through"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,7 @@ class Result:
         node: node that failed, or -1.
         history: of a step that was not solved, relative correction and largest residual [N s, N m s] of the last
             iterations, shape (k, 2); NaN where there was none.
+        partners: what touches too fast, in words.
     """
 
     outcome: Outcome
@@ -42,3 +44,4 @@ class Result:
     step: int
     node: int = -1
     history: np.ndarray | None = None
+    partners: str = ""

@@ -17,14 +17,16 @@ from cayley.system.turned import as_quaternions, embedded
 def constrained_nodes(system: System) -> np.ndarray:
     """Nodes that constraints, springs and dampers know: all of a density with constraints, of others those of ties.
 
-    Of several densities there is one at least: then a run that nothing ties together is that of a problem, too.
+    Of several densities, or with contact, there is one at least: then a run that nothing ties together is that of a
+    problem, too.
     """
     ties: list[Coupling | Elastic] = [*system.joints, *system.springs]
     found = {node for tie in ties for node in (tie.first, tie.second) if node >= 0}
     for group, nodes in system.spans:
         if group.with_constraints:
             found.update(range(nodes.start, nodes.stop))
-    return np.array(sorted(found or {0} if system.members else found), dtype=np.int64)
+    alone = system.members or system.contact is not None
+    return np.array(sorted(found or {0} if alone else found), dtype=np.int64)
 
 
 def make_plan(system: System, terms: list[Cells] | None = None) -> Plan:

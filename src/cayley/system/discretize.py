@@ -19,6 +19,7 @@ from cayley.model.loads import Gravity, LineLoad, PointLoad
 from cayley.system.body_arrays import body_arrays
 from cayley.system.compile import uniform_values
 from cayley.system.connect import connect
+from cayley.system.contact_arrays import touching
 from cayley.system.couplings import Coupling
 from cayley.system.groups import KINEMATICS, Group, groups_of
 from cayley.system.mixed import mixed
@@ -69,7 +70,11 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
     if joints or springs:
         _check_joints(layout, whole.reference, free, joints)
     loads = _loads(model, layout, whole.named["weight"], rule.degree)
-    return replace(whole, free=free, loads=loads, joints=joints, springs=springs, account=account)
+    rows = layout.rows_of("x"), layout.rows_of("p")
+    contact = touching(model, spans(model, rule.degree), whole.reference, rows) if model.contact else None
+    if contact is not None:
+        _check_form(layout, "contact")
+    return replace(whole, free=free, loads=loads, joints=joints, springs=springs, contact=contact, account=account)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from cayley.codegen.kernels import Kernels
 from cayley.discrete.equations import DiscreteEquations
 from cayley.discrete.layout import Layout
 from cayley.discrete.places import name_at
+from cayley.system.contact_arrays import Touching
 from cayley.system.couplings import Coupling, Elastic
 
 
@@ -103,6 +104,7 @@ class System:
         reference: values of a regular configuration, shape (nodes, rows).
         joints: between nodes, or nodes and the ground.
         springs: springs and dampers, likewise.
+        contact: what touches, or None.
         account: whether a run keeps account of the work of loads, whatever else it does.
         members: of several densities, the system of each, without loads, joints and springs; else none.
         plans: what steppers have prepared for it, by their names; another system made from this one has none.
@@ -118,6 +120,7 @@ class System:
     reference: np.ndarray
     joints: tuple[Coupling, ...] = ()
     springs: tuple[Elastic, ...] = ()
+    contact: Touching | None = None
     account: bool = False
     members: tuple["System", ...] = ()
     plans: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -160,7 +163,8 @@ class System:
     @property
     def accounted(self) -> bool:
         """Whether a run keeps an account of work and loss: on request, with forces beside the Lagrangian or drives."""
-        return self.account or self.damped or any(joint.drive is not None for joint in self.joints)
+        driven = any(joint.drive is not None for joint in self.joints)
+        return self.account or self.damped or driven or self.contact is not None
 
     @property
     def damped(self) -> bool:
@@ -214,13 +218,16 @@ class System:
         """
         if self.equations.rule.implicit:
             return float("inf")
+        from cayley.system.contact_limits import with_contact
         from cayley.system.stability import stable_dt
 
         if state is None or not self.with_forces:
-            return stable_dt(self, self.reference if state is None else state.values, enough=enough)
-        from cayley.system.legendre import velocities_of
+            limit = stable_dt(self, self.reference if state is None else state.values, enough=enough)
+        else:
+            from cayley.system.legendre import velocities_of
 
-        return stable_dt(self, state.values, velocities_of(self, state), enough=enough)
+            limit = stable_dt(self, state.values, velocities_of(self, state), enough=enough)
+        return limit if self.contact is None else with_contact(self, limit)
 
     def __str__(self) -> str:
         """Describe rule, structure and size."""

@@ -15,7 +15,7 @@ typedef double vec __attribute__((vector_size(8 * LANES)));
 typedef i64 (*kernel)(double *, double *, i64, i64);
 typedef void (*prepare)(double *);
 
-enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE };
+enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE, FAST };
 
 /* A part of the action (or a force density) that is evaluated at quadrature points of cells, LANES cells at a time.
  *
@@ -105,6 +105,60 @@ struct coupling {
     double *kept;        /* their values at the last accepted correction */
 };
 
+/* What touches: segments with a radius (elements of rods, capsules, spheres, edges of boxes) and solids.
+ *
+ * A segment runs between two points, each fixed to a node or the ground. Solids are fixed to one. See contact.c. */
+struct contacts {
+    i64 nodes;           /* the ground stands behind them */
+    i64 rows;            /* values of a node */
+    i64 dofs;
+    i64 place_row;       /* row of its position, */
+    i64 turn_row;        /* of its rotation, */
+    i64 place_dof;       /* and their degrees of freedom */
+    i64 turn_dof;
+    i64 points;
+    i64 *node;           /* node of a point, [points] */
+    double *offset;      /* of a point from its node, in its body frame, [points][3] */
+    double *inverse;     /* inverse of the mass that answers there [1/kg], [points] */
+    i64 segments;
+    i64 *ends;           /* points, [segments][2] */
+    i64 *beyond;         /* the points before and behind them in a rod, or -1, [segments][2] */
+    double *radius;      /* [segments] */
+    i64 *owner;          /* the rod or shape it is of, [segments] */
+    i64 *along;          /* its number along that, [segments] */
+    i64 *reach;          /* segments of one owner nearer than this do not touch; 0: none do, [segments] */
+    i64 *round;          /* 0: an edge, which touches solids alone, [segments] */
+    i64 *tail;           /* whether its second end touches solids itself, or the next segment's first does, [segments] */
+    i64 solids;
+    i64 *kind;           /* enum solid, [solids] */
+    i64 *carrier;        /* node, [solids] */
+    i64 *possessor;      /* the shape it is of, [solids] */
+    double *frame;       /* position and rotation in the body frame of the node, [solids][7] */
+    double *size;        /* see contact.c, [solids][18] */
+    double *bound;       /* largest distance from the node, [solids] */
+    double *yield;       /* inverse of the mass that answers, [solids] */
+    i64 owners;
+    double *rough;       /* coefficient of friction, [owners] */
+    i64 *together;       /* owners with the same number do not touch each other, [owners] */
+    i64 apart_count;
+    i64 *apart;          /* pairs of owners that do not touch, a owners + b with a < b, in rising order */
+    i64 tied_count;
+    i64 *tied;           /* pairs of segments, or of segments and solids behind them, that do not touch, as apart */
+    double per_mass;     /* stiffness for a unit of mass [1/s^2], but at least */
+    double least;        /* so much [N/m] */
+    double soft;         /* part of a radius in which stiffness sets in */
+    double shear;        /* tangential stiffness for a unit of the normal one */
+    double damping;      /* part of critical damping */
+    double relax;        /* part of overlaps at the start that is left after a step; 0: there are none */
+    double clearance;    /* of what the search lists at first [m] */
+    i64 state;           /* address of what is kept between evaluations */
+    double *force;       /* on the nodes, left-trivialized, [nodes + 1][dofs] */
+    double *told;        /* energy; loss so far; deepest now, in radii; contacts; candidates; searches; deepest so far, [7] */
+    i64 *blame;          /* number of segment and of partner (solids behind segments) of the deepest or the failure, [2] */
+    i64 capacity;        /* contacts that memory has room for */
+    double *memory;      /* contacts of the last evaluation, [1 + capacity * 14] */
+};
+
 struct problem {
     i64 nodes;           /* one more, the ground, stands behind them */
     i64 rows;            /* values of a node */
@@ -140,6 +194,10 @@ struct problem {
     i64 inertia;         /* the first so many terms are those of inertia */
     struct coupling *coupling;
     i64 couplings;
+    struct contacts *contacts; /* or null */
+    i64 *contact_nodes;  /* of every candidate, see contact_implicit.c, [candidates][8] */
+    i64 *contact_places; /* (offset, stride) of the block of every pair of them, [candidates][8][8][2] */
+    i64 renew;           /* called where the candidates changed: i64 (*)(void), 0 if all went well */
     i64 fronts;          /* address of the elimination plan */
     double *matrix;
     i64 matrix_size;
@@ -167,6 +225,8 @@ struct problem {
     double *motion;      /* v h of the last three steps, the latest first, [3][nodes + 1][dofs]; or null */
     double *rates;       /* v at the frames that these say, NaN before the third step, [saves][nodes][dofs] */
     double *works;       /* work and loss at the frames, [saves][2] */
+    double *contact_told; /* told of the contacts at the frames, [saves][7] */
+    double *contact_force; /* and their forces, [saves][nodes][dofs] */
     i64 *counts;         /* iterations in all, most in a step, number and node of the last step */
     double *history;     /* (relative correction, residual) of the last iterations, [history_size][2] */
     i64 history_size;
@@ -198,6 +258,11 @@ struct explicit_group {
 /* A run of a rule with corners in time and constraints; the problem holds the nodes that constraints know, with r = 1. */
 struct explicit_run {
     struct problem *problem;
+    struct contacts *contacts; /* or null */
+    i64 *contact_slot;   /* as slot, behind it the row that forces are added to, [contacts->nodes][7] */
+    double *contact_values; /* room, [contacts->nodes + 1][rows], the ground's behind them */
+    double *contact_told; /* told of the contacts at the frames, [saves][7] */
+    double *contact_force; /* and their forces, [saves][contacts->nodes][dofs] */
     struct explicit_group *group;
     i64 groups;
     i64 *slot;           /* (group, block, lane, first row of its values, of its momenta, of v* or -1), [nodes][6] */
@@ -262,5 +327,20 @@ double projection_work(struct problem *p);
 void multiply_mass(struct problem *p, const double *v, double *out);
 i64 project(struct problem *p, i64 number, i64 i, double time, double h);
 i64 overstrained(struct problem *p, double time, double h);
+
+/* contact.c */
+i64 begin_contacts(struct contacts *c, const double *values, i64 recalled);
+i64 touch_all(struct contacts *c, i64 state, const double *values, double h);
+i64 remember_contacts(struct contacts *c, i64 state);
+i64 view_contacts(struct contacts *c, const double *values, i64 most, double *out);
+void end_contacts(i64 state);
+
+/* contact_implicit.c */
+void add_contacts(struct problem *p, double h, i64 tangent);
+i64 list_contacts(struct problem *p, i64 again);
+void contact_nodes(struct contacts *c, i64 *out);
+i64 contact_count(const struct contacts *c);
+i64 outran(struct problem *p);
+i64 accept_contacts(struct problem *p, double h);
 
 #endif

@@ -59,6 +59,44 @@ static void load(struct explicit_run *e, i64 number, double part)
     }
 }
 
+/* Evaluate contacts where the nodes are, a step after they were evaluated last. */
+static i64 meet(struct explicit_run *e)
+{
+    struct contacts *c = e->contacts;
+    for (i64 n = 0; n < c->nodes; n++) {
+        const i64 *slot = e->contact_slot + 7 * n;
+        const double *value = part_of(e, slot, slot[3]);
+        double *out = e->contact_values + n * c->rows;
+        for (i64 k = 0; k < c->rows; k++) out[k] = value[k * LANES];
+    }
+    return touch_all(c, c->state, e->contact_values, e->problem->h);
+}
+
+/* Add part times the forces of contacts to their rows. */
+static void press(struct explicit_run *e, double part)
+{
+    struct contacts *c = e->contacts;
+    for (i64 n = 0; n < c->nodes; n++) {
+        const i64 *slot = e->contact_slot + 7 * n;
+        const double *force = c->force + n * c->dofs;
+        double *out = part_of(e, slot, slot[6]);
+        for (i64 d = 0; d < c->dofs; d++) out[d * LANES] += part * force[d];
+    }
+}
+
+/* Power of the forces of contacts at the predicted velocities: kernels book it as work of loads, but it is none. */
+static double pressing_power(struct explicit_run *e)
+{
+    struct contacts *c = e->contacts;
+    double power = 0.0;
+    for (i64 n = 0; n < c->nodes; n++) {
+        const i64 *slot = e->contact_slot + 7 * n;
+        const double *v = part_of(e, slot, slot[5]), *force = c->force + n * c->dofs;
+        for (i64 d = 0; d < c->dofs; d++) power += force[d] * v[d * LANES];
+    }
+    return power;
+}
+
 /* Copy values (to control i) and, if wanted, momenta out of the blocks. */
 static void collect(struct explicit_run *e, i64 i, double *momenta)
 {
@@ -82,11 +120,18 @@ static void put_momenta(struct explicit_run *e, const double *momenta)
     }
 }
 
+/* Whether any constraint, spring or damper, or prediction for them, wants mass matrices. */
+static i64 tied(struct problem *p)
+{
+    return p->couplings || p->terms > p->inertia;
+}
+
 /* Let the predicted velocities know springs and dampers, whose forces f act for ``half`` a step as the others the kernel
  * knows, and satisfy the constraints: M v + G' n = M v* + half f, G v = rate. */
 static void complete_predicted(struct explicit_run *e, i64 number, i64 i, double half)
 {
     struct problem *p = e->problem;
+    if (!tied(p)) return;
     for (i64 n = 0; n < p->nodes; n++) {
         const i64 *slot = e->slot + 6 * n;
         const double *v = part_of(e, slot, slot[5]);
@@ -118,17 +163,20 @@ static void kick(struct explicit_run *e, i64 number, double part, i64 known, i64
     i64 predicted = e->group->predict != 0;
     if (predicted) {
         load(e, number, 1.0);
+        if (e->contacts) press(e, 1.0);
         for (struct explicit_group *g = e->group; g < e->group + e->groups; g++) {
             double *u = times(p, g, 2, g->predict_setup, known ? 0.0 : p->h, number, number + 1);
             ((kernel)g->predict)(g->data, u, 1, g->blocks + 1);
         }
         complete_predicted(e, number_of, i, known ? 0.0 : 0.5 * p->h);
+        if (e->contacts) p->energy[1] -= part * pressing_power(e);
     }
     for (struct explicit_group *g = e->group; g < e->group + e->groups; g++) {
         double *u = times(p, g, 0, g->kick_setup, part, number, number);
         ((kernel)g->kick)(g->data, u, 1, g->blocks + 1);
     }
     if (!predicted) load(e, number, part);
+    if (!predicted && e->contacts) press(e, part);
     collect(e, 0, e->given);
     if (p->terms == p->inertia) return;
     add_ties(p, 0, 0, part, e->given);
@@ -216,8 +264,12 @@ static i64 step(struct explicit_run *e, i64 number, i64 j)
     struct problem *p = e->problem;
     double part = j ? p->h : 0.5 * p->h, time = p->origin + (p->first + (double)number) * p->h, last = INFINITY;
     p->counts[2] = number;
+    if (j && e->contacts) {
+        i64 outcome = meet(e);
+        if (outcome) return outcome;
+    }
     collect(e, 0, 0);
-    i64 failed = saddle_point(p, number, 0, time);
+    i64 failed = tied(p) ? saddle_point(p, number, 0, time) : 0;
     if (failed) {
         p->counts[3] = failed - 1;
         return REDUNDANT;
@@ -277,21 +329,33 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
             if (outcome) return outcome;
         }
         i64 number = (*reached + 1) * p->stride;
+        if (e->contacts) {
+            i64 outcome = meet(e);
+            if (outcome) return outcome;
+        }
         collect(e, 0, 0);
         double time = p->origin + (p->first + (double)number) * p->h;
-        i64 failed = saddle_point(p, number - 1, 1, time);
+        i64 failed = tied(p) ? saddle_point(p, number - 1, 1, time) : 0;
         if (failed) {
             p->counts[3] = failed - 1;
             return REDUNDANT;
         }
         kick(e, number, 0.5 * p->h, 0, number - 1, 1);
         hold_momenta(e);
-        collect(e, 0, p->momenta);
-        velocities(p, number - 1, 1, p->h, p->momenta, p->velocity);
-        p->energy[1] += projection_work(p);
-        multiply_mass(p, p->velocity, p->momenta);
-        put_momenta(e, p->momenta);
-        hold_momenta(e);
+        if (tied(p)) {
+            collect(e, 0, p->momenta);
+            velocities(p, number - 1, 1, p->h, p->momenta, p->velocity);
+            p->energy[1] += projection_work(p);
+            multiply_mass(p, p->velocity, p->momenta);
+            put_momenta(e, p->momenta);
+            hold_momenta(e);
+        }
+        if (e->contacts) {
+            struct contacts *c = e->contacts;
+            p->energy[2] += c->told[1], c->told[1] = 0.0;
+            memcpy(e->contact_told + 7 * *reached, c->told, 7 * sizeof(double));
+            memcpy(e->contact_force + *reached * c->nodes * c->dofs, c->force, (size_t)(c->nodes * c->dofs) * sizeof(double));
+        }
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         double check = 0.0;
         for (struct explicit_group *g = e->group; g < e->group + e->groups; g++)

@@ -1,0 +1,407 @@
+/* Contact: a potential of the depth of every contact, Coulomb friction with sticking, and damping.
+ *
+ * With depth d of two partners (in part e of a radius the stiffness sets in, so that forces are smooth)
+ *
+ *     V(d) = k d^3/(6 e) for 0 < d < e,   k (d^2/2 - e d/2 + e^2/6) beyond;   N = V'(d),   friction |T| <= mu N
+ *
+ * sticks by a spring: T = -k_t s - c_t ds/dt, where s grows with the tangential motion of the two material points and
+ * keeps to |k_t s| <= mu N by slipping (Cundall, Strack 1979). What friction and damping take is told as loss.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "contact.h"
+#include "contact_laws.h"
+
+static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
+static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
+static const double STEPS = 20.0;    /* steps that a list is to last */
+static const double QUICKER = 1.5;   /* growth of a way from step to step that is reckoned with */
+
+enum { RECORD = 14 };
+
+static void place_points(const struct contacts *c, const double *values, double *point)
+{
+    i64 last = -1;
+    double m[9];
+    for (i64 k = 0; k < c->points; k++) {
+        const double *node = values + c->node[k] * c->rows, *x = node + c->place_row, *o = c->offset + 3 * k;
+        memcpy(point + 3 * k, x, 3 * sizeof(double));
+        if (o[0] == 0.0 && o[1] == 0.0 && o[2] == 0.0) continue;
+        if (c->node[k] != last) rotation_matrix(node + c->turn_row, m), last = c->node[k];
+        for (i64 d = 0; d < 3; d++) point[3 * k + d] += DOT(m + 3 * d, o);
+    }
+}
+
+/* Longest way of points and of surfaces of solids between two sets of places. */
+double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others)
+{
+    double most = 0.0, far = 0.0;
+    for (i64 k = 0; k < 3 * c->points; k += 3) {
+        double d[3] = {p[k] - q[k], p[k + 1] - q[k + 1], p[k + 2] - q[k + 2]}, square = DOT(d, d);
+        most = square <= most ? most : square; /* also for NaN */
+    }
+    most = sqrt(most);
+    for (i64 k = 0; k < c->solids; k++) {
+        if (c->carrier[k] == c->nodes) continue;
+        const double *a = values + c->carrier[k] * c->rows, *b = others + c->carrier[k] * c->rows;
+        double way = 0.0, turn = 0.0;
+        for (i64 d = 0; d < 3; d++) way += pow(a[c->place_row + d] - b[c->place_row + d], 2.0);
+        for (i64 d = 0; d < 4; d++) turn += pow(a[c->turn_row + d] - b[c->turn_row + d], 2.0);
+        far = sqrt(way) + 2.0 * sqrt(turn) * c->bound[k];
+        most = far <= most ? most : far;
+    }
+    return most;
+}
+
+static void swap(double **a, double **b)
+{
+    double *own = *a;
+    *a = *b, *b = own;
+}
+
+void list_near(struct contacts *c, struct scene *x)
+{
+    search(c, x);
+    memcpy(x->listed_point, x->point, (size_t)(3 * c->points) * sizeof(double));
+    memcpy(x->listed_values, x->values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
+    x->listed = 1;
+    c->told[4] = (double)x->count, c->told[5] += 1.0;
+}
+
+/* Let the list know all that can touch between the places before and now. */
+static void renew(struct contacts *c, struct scene *x)
+{
+    double moved = longest(c, x->point, x->listed_point, x->values, x->listed_values);
+    x->stride = longest(c, x->point, x->old_point, x->values, x->old_values);
+    if (!isfinite(moved)) return;
+    if (2.0 * moved > x->margin) { /* faster than foreseen: from where they came */
+        x->margin = 4.0 * QUICKER * x->stride + c->clearance;
+        swap(&x->point, &x->old_point), swap(&x->values, &x->old_values);
+        place_solids(c, x->values, x->pose);
+        list_near(c, x);
+        swap(&x->point, &x->old_point), swap(&x->values, &x->old_values);
+        place_solids(c, x->values, x->pose);
+    }
+}
+
+/* List again where the next step might leave what the list knows. */
+static void look_ahead(struct contacts *c, struct scene *x)
+{
+    double moved = longest(c, x->point, x->listed_point, x->values, x->listed_values);
+    if (!isfinite(moved) || 2.0 * (moved + QUICKER * x->stride) <= x->margin) return;
+    double wanted = 2.0 * STEPS * x->stride, least = c->clearance + 4.0 * QUICKER * x->stride;
+    double most = 10.0 * least;
+    x->margin = wanted < least ? least : wanted > most ? most : wanted;
+    list_near(c, x);
+}
+
+/* Whether partners that touch neither before nor now touched in between. */
+i64 swept(struct contacts *c, struct scene *x, double unit)
+{
+    i64 parts = (i64)ceil(2.0 * x->stride / (SWEEP * unit));
+    struct scene y = *x;
+    struct seen seen, now;
+    parts = parts < 200 ? parts : 200;
+    y.point = malloc((size_t)(3 * c->points + 1) * sizeof(double));
+    y.values = malloc((size_t)((c->nodes + 1) * c->rows) * sizeof(double));
+    y.pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
+    i64 hit = 0;
+    for (i64 k = 1; k < parts && !hit; k++) {
+        double f = (double)k / (double)parts;
+        for (i64 i = 0; i < (c->nodes + 1) * c->rows; i++) y.values[i] = x->old_values[i] + f * (x->values[i] - x->old_values[i]);
+        place_points(c, y.values, y.point);
+        place_solids(c, y.values, y.pose);
+        for (i64 n = 0; n < x->count && !hit; n++) {
+            struct touch *t = x->touch + n;
+            if (t->touching || !look(c, &y, t, &seen) || seen.depth <= 0.0) continue;
+            if (look(c, x, t, &now) && now.depth > 0.0) continue; /* they touch now, too */
+            c->blame[0] = t->a, c->blame[1] = t->b;
+            hit = 1;
+        }
+    }
+    free(y.point), free(y.values), free(y.pose);
+    return hit;
+}
+
+/* Rotations from the places before to those now, as Cayley vectors 2 tan(angle/2) axis. */
+static void turn_of(const struct contacts *c, const struct scene *x, i64 node, double *turn)
+{
+    const double *p = x->values + node * c->rows + c->turn_row, *q = x->old_values + node * c->rows + c->turn_row;
+    double w = DOT(p + 1, q + 1) + p[0] * q[0];
+    for (i64 k = 0; k < 3; k++) turn[k] = 0.0;
+    if (w == 0.0) return;
+    CROSS(q + 1, p + 1, turn);
+    for (i64 k = 0; k < 3; k++) turn[k] = 2.0 * (p[1 + k] * q[0] - p[0] * q[1 + k] + turn[k]) / w;
+}
+
+/* The way of the material point of a node that is at a lever from it now. */
+void way_of(const struct contacts *c, const struct scene *x, i64 node, const double *lever, double part, double *way,
+                   double *turned)
+{
+    const double *p = x->values + node * c->rows + c->place_row, *q = x->old_values + node * c->rows + c->place_row;
+    double turn[3], over[3], middle[3], more[3];
+    if (node == c->nodes) return;
+    turn_of(c, x, node, turn);
+    CROSS(turn, lever, over);
+    double along = DOT(turn, lever), size = 1.0 + 0.25 * DOT(turn, turn);
+    for (i64 k = 0; k < 3; k++) middle[k] = (lever[k] - 0.5 * over[k] + 0.25 * turn[k] * along) / size;
+    CROSS(turn, middle, more);
+    for (i64 k = 0; k < 3; k++) way[k] += part * (p[k] - q[k] + more[k]), turned[k] += 0.5 * fabs(part) * turn[k];
+}
+
+/* Nodes, levers and weights of the two partners: at most eight, weights of the second negative. Levers go so far from the
+ * centers (reach 0) to the contact (1). */
+i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen, double reach,
+         struct foot *foot)
+{
+    i64 count = 0;
+    for (i64 side = 0; side < 2; side++) {
+        const i64 *points = side ? seen->point_b : seen->point_a;
+        const double *weights = side ? seen->weight_b : seen->weight_a;
+        double arm = reach * (side ? seen->arm_b : -seen->arm_a);
+        for (i64 n = 0; n < (side ? seen->count_b : seen->count_a); n++) {
+            struct foot *f = foot + count++;
+            f->node = c->node[points[n]], f->weight = side ? -weights[n] : weights[n];
+            const double *place = x->values + f->node * c->rows + c->place_row;
+            for (i64 k = 0; k < 3; k++) f->lever[k] = x->point[3 * points[n] + k] - place[k] + arm * seen->normal[k];
+        }
+    }
+    if (t->b >= c->segments) {
+        struct foot *f = foot + count++;
+        f->node = c->carrier[t->b - c->segments], f->weight = -1.0;
+        const double *place = x->values + f->node * c->rows + c->place_row;
+        for (i64 k = 0; k < 3; k++) f->lever[k] = seen->place[k] - place[k];
+    }
+    return count;
+}
+
+/* Add a force on the first partner, and its opposite on the second, to the nodes. */
+static void push_nodes(const struct contacts *c, const struct scene *x, const struct foot *foot, i64 count,
+                       const double *force, double *out)
+{
+    for (i64 n = 0; n < count; n++) {
+        const struct foot *f = foot + n;
+        if (f->node == c->nodes) continue;
+        double push[3] = {f->weight * force[0], f->weight * force[1], f->weight * force[2]}, moment[3], m[9];
+        double *to = out + f->node * c->dofs;
+        CROSS(f->lever, push, moment);
+        rotation_matrix(x->values + f->node * c->rows + c->turn_row, m);
+        for (i64 k = 0; k < 3; k++) {
+            to[c->place_dof + k] += push[k];
+            to[c->turn_dof + k] += m[k] * moment[0] + m[3 + k] * moment[1] + m[6 + k] * moment[2];
+        }
+    }
+}
+
+void part_from(struct contacts *c, struct touch *t)
+{
+    if (t->touching) c->told[1] += 0.5 * c->shear * t->stiffness * DOT(t->slip, t->slip);
+    t->touching = 0, t->allowed = 0.0;
+    for (i64 k = 0; k < 3; k++) t->slip[k] = t->push[k] = 0.0;
+}
+
+/* Whether partners come nearer by so much of a radius that they might pass. */
+static i64 hasty(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen)
+{
+    struct foot foot[8];
+    double way[3] = {0.0, 0.0, 0.0}, turned[3];
+    if (t->touching && seen->depth - t->depth > FASTEST * t->unit) return 1;
+    if (t->touching && t->b < c->segments && seen->inside && DOT(seen->normal, t->normal) < 0.0) return 1;
+    if (t->touching) return 0;
+    i64 count = feet(c, x, t, seen, 1.0, foot);
+    for (i64 n = 0; n < count; n++) way_of(c, x, foot[n].node, foot[n].lever, foot[n].weight, way, turned);
+    return -DOT(way, seen->normal) > FASTEST * t->unit;
+}
+
+/* One contact of a step: its force, its memory and its account. */
+void take_contact(struct contacts *c, struct scene *x, struct touch *t, const struct seen *seen, double h)
+{
+    struct foot foot[8];
+    struct law law;
+    double way[3] = {0.0, 0.0, 0.0}, turned[3] = {0.0, 0.0, 0.0}, before[3], slip[3];
+    i64 count = feet(c, x, t, seen, 1.0, foot);
+    for (i64 n = 0; n < count; n++) way_of(c, x, foot[n].node, foot[n].lever, foot[n].weight, way, turned);
+    double nearer = t->touching ? seen->depth - t->depth : -DOT(way, seen->normal), along = DOT(way, seen->normal);
+    /* points that roll in come nearer though the partners do not: what counts is the depth */
+    for (i64 k = 0; k < 3; k++) way[k] -= (along + nearer) * seen->normal[k];
+    t->depth = seen->depth;
+    if (t->allowed > 0.0) {
+        struct law old;
+        law_of(t->stiffness, c->soft * t->unit, seen->depth - t->allowed, &old);
+        t->allowed *= c->relax;
+        law_of(t->stiffness, c->soft * t->unit, seen->depth - t->allowed, &law);
+        c->told[1] -= law.energy - old.energy;
+    } else law_of(t->stiffness, c->soft * t->unit, seen->depth, &law);
+    memcpy(before, t->push, sizeof before);
+    double held = DOT(t->slip, t->slip);
+    carry(t->slip, turned, seen->normal, slip);
+    friction_of(c, t, &law, seen->normal, way, h, slip, t->push);
+    memcpy(t->slip, slip, sizeof slip);
+    memcpy(t->normal, seen->normal, sizeof t->normal);
+    for (i64 k = 0; k < 3; k++) before[k] = 0.5 * (before[k] + t->push[k]);
+    c->told[1] -= DOT(before, way) + 0.5 * c->shear * t->stiffness * (DOT(slip, slip) - held);
+    c->told[0] += law.energy + 0.5 * c->shear * t->stiffness * DOT(slip, slip);
+    c->told[3] += 1.0;
+    t->touching = 1;
+    double force[3];
+    for (i64 k = 0; k < 3; k++) force[k] = law.force * seen->normal[k] + t->push[k];
+    push_nodes(c, x, foot, count, force, c->force);
+    double relative = (seen->depth - t->allowed) / t->unit;
+    if (relative > c->told[2]) {
+        c->told[2] = relative;
+        c->blame[0] = t->a, c->blame[1] = t->b;
+    }
+}
+
+static double smallest_unit(const struct scene *x)
+{
+    double least = INFINITY;
+    for (i64 n = 0; n < x->count; n++) least = x->touch[n].unit < least ? x->touch[n].unit : least;
+    return least;
+}
+
+/* Points and solids where the values are. */
+void take_places(const struct contacts *c, struct scene *x)
+{
+    place_points(c, x->values, x->point);
+    place_solids(c, x->values, x->pose);
+}
+
+static void take(struct contacts *c, struct scene *x, const double *values)
+{
+    memcpy(x->values, values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
+    take_places(c, x);
+}
+
+void keep_places(const struct contacts *c, struct scene *x)
+{
+    memcpy(x->old_point, x->point, (size_t)(3 * c->points) * sizeof(double));
+    memcpy(x->old_values, x->values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
+}
+
+/* Forces of all contacts at values, [nodes + 1][rows], that are a step h after those before. Returns an outcome. */
+i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
+{
+    struct scene *x = (struct scene *)state;
+    struct seen seen;
+    take(c, x, values);
+    renew(c, x);
+    memset(c->force, 0, (size_t)((c->nodes + 1) * c->dofs) * sizeof(double));
+    c->told[0] = c->told[2] = c->told[3] = 0.0;
+    double unit = x->stride > 0.0 ? smallest_unit(x) : INFINITY;
+    if (2.0 * x->stride > SWEEP * unit && isfinite(x->stride) && swept(c, x, unit)) return FAST;
+    for (i64 n = 0; n < x->count; n++) {
+        struct touch *t = x->touch + n;
+        if (!look(c, x, t, &seen) || seen.depth <= 0.0) {
+            if (t->touching) part_from(c, t);
+            continue;
+        }
+        if (hasty(c, x, t, &seen)) {
+            c->blame[0] = t->a, c->blame[1] = t->b;
+            return FAST;
+        }
+        take_contact(c, x, t, &seen, h);
+    }
+    if (c->told[2] > c->told[6]) c->told[6] = c->told[2];
+    look_ahead(c, x);
+    keep_places(c, x);
+    return FINISHED;
+}
+
+/* Put contacts that touch into memory; returns whether there is room. */
+i64 remember_contacts(struct contacts *c, i64 state)
+{
+    struct scene *x = (struct scene *)state;
+    i64 count = 0;
+    for (i64 n = 0; n < x->count; n++) {
+        const struct touch *t = x->touch + n;
+        if (!t->touching) continue;
+        if (count == c->capacity) return 0;
+        double *out = c->memory + 1 + RECORD * count++;
+        out[0] = (double)t->a, out[1] = (double)t->b, out[2] = (double)t->slot;
+        memcpy(out + 3, t->slip, sizeof t->slip);
+        memcpy(out + 6, t->push, sizeof t->push);
+        memcpy(out + 9, t->normal, sizeof t->normal);
+        out[12] = t->allowed, out[13] = t->depth;
+    }
+    memset(c->memory + 1 + RECORD * count, 0, (size_t)(RECORD * (c->capacity - count)) * sizeof(double));
+    c->memory[0] = (double)count;
+    return 1;
+}
+
+static void recall(struct contacts *c, struct scene *x)
+{
+    i64 k = 0, count = (i64)c->memory[0];
+    for (i64 n = 0; n < x->count && k < count; n++) {
+        const double *in = c->memory + 1 + RECORD * k;
+        struct touch *t = x->touch + n;
+        if (t->a != (i64)in[0] || t->b != (i64)in[1] || t->slot != (i64)in[2]) continue;
+        t->touching = 1;
+        memcpy(t->slip, in + 3, sizeof t->slip);
+        memcpy(t->push, in + 6, sizeof t->push);
+        memcpy(t->normal, in + 9, sizeof t->normal);
+        t->allowed = in[12], t->depth = in[13];
+        k++;
+    }
+}
+
+/* Overlaps at the start are let be, and go away bit by bit. */
+static void allow(struct contacts *c, struct scene *x)
+{
+    struct seen seen;
+    for (i64 n = 0; n < x->count; n++)
+        if (look(c, x, x->touch + n, &seen) && seen.depth > 0.0) x->touch[n].allowed = seen.depth;
+}
+
+/* Begin at values; with a memory of contacts forces are those that ``force`` has. Returns the state. */
+i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
+{
+    struct scene *x = calloc(1, sizeof *x);
+    size_t points = (size_t)(3 * c->points + 1) * sizeof(double), all = (size_t)((c->nodes + 1) * c->rows) * sizeof(double);
+    x->point = malloc(points), x->old_point = malloc(points), x->listed_point = malloc(points);
+    x->values = malloc(all), x->old_values = malloc(all), x->listed_values = malloc(all);
+    x->pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
+    x->margin = c->clearance;
+    take(c, x, values);
+    list_near(c, x);
+    keep_places(c, x);
+    if (recalled) recall(c, x);
+    else {
+        if (c->relax > 0.0) allow(c, x);
+        touch_all(c, (i64)x, values, 1.0);
+    }
+    return (i64)x;
+}
+
+void end_contacts(i64 state)
+{
+    struct scene *x = (struct scene *)state;
+    free(x->point), free(x->old_point), free(x->listed_point);
+    free(x->values), free(x->old_values), free(x->listed_values);
+    free(x->pose), free(x->touch), free(x);
+}
+
+/* Write all contacts at values: a, b, slot, depth, its unit, normal, place, force along the normal, [most][12]. */
+i64 view_contacts(struct contacts *c, const double *values, i64 most, double *out)
+{
+    i64 count = 0, state = begin_contacts(c, values, 1);
+    struct scene *x = (struct scene *)state;
+    struct seen seen;
+    struct law law;
+    for (i64 n = 0; n < x->count; n++) {
+        const struct touch *t = x->touch + n;
+        if (!look(c, x, t, &seen) || seen.depth <= 0.0) continue;
+        if (count < most) {
+            double *row = out + 12 * count;
+            law_of(t->stiffness, c->soft * t->unit, seen.depth, &law);
+            row[0] = (double)t->a, row[1] = (double)t->b, row[2] = (double)t->slot, row[3] = seen.depth, row[4] = t->unit;
+            memcpy(row + 5, seen.normal, sizeof seen.normal);
+            memcpy(row + 8, seen.place, sizeof seen.place);
+            row[11] = law.force;
+        }
+        count++;
+    }
+    end_contacts(state);
+    return count;
+}

@@ -1,0 +1,86 @@
+/* What the files of contact share: the state of a scene between evaluations, and what is seen of one contact. */
+#ifndef CAYLEY_CONTACT_H
+#define CAYLEY_CONTACT_H
+
+#include "engine.h"
+
+enum solid { PLANE, CYLINDER, BOX, TRIANGLE };
+enum slot { START, END, INSIDE }; /* of a segment on a solid; with a triangle INSIDE + k is along its edge k */
+
+/* Two partners that are near. Those of the last three members are kept as long as they touch. */
+struct touch {
+    i64 a;            /* segment */
+    i64 b;            /* segment, or segments + solid */
+    i64 slot;         /* where on a solid; 0 for segments */
+    double stiffness, friction, unit, mass; /* unit: the radius that depths are measured by */
+    i64 touching;
+    double slip[3];   /* elongation of the tangential spring */
+    double push[3];   /* force on a that is no gradient: of friction and damping */
+    double normal[3];
+    double depth;
+    double allowed;   /* what is left of an overlap at the start */
+};
+
+/* A contact as it is seen. */
+struct seen {
+    double depth;
+    double normal[3]; /* from b to a */
+    i64 count_a, count_b;
+    i64 point_a[4], point_b[4]; /* points that the two centers are means of, [count_a], [count_b] */
+    double weight_a[4], weight_b[4];
+    i64 inside;       /* whether both centers are between the ends of their segments */
+    double gap[3];    /* from the point of b to that of a, centers of segments */
+    double distance;  /* its length, with its sign */
+    double arm_a, arm_b; /* from the centers to the contact along the normal */
+    double place[3];  /* of the contact */
+    double bend;      /* 1/distance from the feature that is touched, and */
+    double axis[3];   /* its direction if it is an edge, else zero */
+};
+
+struct scene {
+    double *point, *old_point, *listed_point; /* [points][3], now, at the evaluation before, at the search */
+    double *values, *old_values, *listed_values; /* of nodes, [nodes + 1][rows] */
+    double *pose;     /* origin and rotation matrix, [solids][12] */
+    struct touch *touch;
+    i64 count, room;
+    double margin;
+    double stride;    /* largest way of a point since the evaluation before */
+    double loss;      /* by friction and damping in a step of an implicit rule */
+    i64 listed;       /* 1: as explicit rules want it, 2: as implicit ones do */
+};
+
+#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+#define CROSS(a, b, c)                                                                                              \
+    ((c)[0] = (a)[1] * (b)[2] - (a)[2] * (b)[1], (c)[1] = (a)[2] * (b)[0] - (a)[0] * (b)[2],                        \
+     (c)[2] = (a)[0] * (b)[1] - (a)[1] * (b)[0])
+
+/* contact_shapes.c */
+void rotation_matrix(const double *quaternion, double *matrix);
+void place_solids(const struct contacts *c, const double *values, double *pose);
+void closest(const double *a, const double *u, const double *b, const double *v, double *s, double *t);
+i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen);
+
+/* contact_search.c */
+i64 search(struct contacts *c, struct scene *x);
+double touch_mass(const struct contacts *c, i64 a, i64 b, i64 slot);
+
+/* A node on which a contact acts. */
+struct foot {
+    i64 node;
+    double weight, lever[3]; /* from the node to the contact */
+};
+
+/* contact.c: the rest is in engine.h */
+double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others);
+void take_places(const struct contacts *c, struct scene *x);
+void keep_places(const struct contacts *c, struct scene *x);
+void list_near(struct contacts *c, struct scene *x);
+i64 swept(struct contacts *c, struct scene *x, double unit);
+i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen, double reach,
+         struct foot *foot);
+void way_of(const struct contacts *c, const struct scene *x, i64 node, const double *lever, double part, double *way,
+            double *turned);
+void take_contact(struct contacts *c, struct scene *x, struct touch *t, const struct seen *seen, double h);
+void part_from(struct contacts *c, struct touch *t);
+
+#endif

@@ -1,0 +1,392 @@
+/* Where segments and solids come nearest, and how deep they overlap. */
+#include <math.h>
+#include <string.h>
+#include "contact.h"
+
+/* Of a unit quaternion. */
+void rotation_matrix(const double *q, double *m)
+{
+    double size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], f = size > 0.0 ? 2.0 / size : 0.0;
+    double w = q[0], x = q[1], y = q[2], z = q[3];
+    m[0] = 1.0 - f * (y * y + z * z), m[1] = f * (x * y - w * z), m[2] = f * (x * z + w * y);
+    m[3] = f * (x * y + w * z), m[4] = 1.0 - f * (x * x + z * z), m[5] = f * (y * z - w * x);
+    m[6] = f * (x * z - w * y), m[7] = f * (y * z + w * x), m[8] = 1.0 - f * (x * x + y * y);
+}
+
+static void times(const double *m, const double *v, double *out)
+{
+    for (i64 k = 0; k < 3; k++) out[k] = DOT(m + 3 * k, v);
+}
+
+static void times_transposed(const double *m, const double *v, double *out)
+{
+    for (i64 k = 0; k < 3; k++) out[k] = m[k] * v[0] + m[3 + k] * v[1] + m[6 + k] * v[2];
+}
+
+/* Origins and rotation matrices of all solids in space. */
+void place_solids(const struct contacts *c, const double *values, double *pose)
+{
+    for (i64 k = 0; k < c->solids; k++) {
+        const double *node = values + c->carrier[k] * c->rows, *frame = c->frame + 7 * k, *p = frame + 3;
+        const double *q = node + c->turn_row, *x = node + c->place_row;
+        double own[9], turned[4], shift[3];
+        rotation_matrix(q, own);
+        times(own, frame, shift);
+        turned[0] = q[0] * p[0] - q[1] * p[1] - q[2] * p[2] - q[3] * p[3];
+        turned[1] = q[0] * p[1] + q[1] * p[0] + q[2] * p[3] - q[3] * p[2];
+        turned[2] = q[0] * p[2] - q[1] * p[3] + q[2] * p[0] + q[3] * p[1];
+        turned[3] = q[0] * p[3] + q[1] * p[2] - q[2] * p[1] + q[3] * p[0];
+        for (i64 d = 0; d < 3; d++) pose[12 * k + d] = x[d] + shift[d];
+        rotation_matrix(turned, pose + 12 * k + 3);
+    }
+}
+
+static double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* Where the segments a + s u and b + t v come nearest (Ericson 2005, section 5.1.9); parallel ones in the middle of where
+ * they lie beside each other. */
+void closest(const double *a, const double *u, const double *b, const double *v, double *s, double *t)
+{
+    double r[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    double uu = DOT(u, u), vv = DOT(v, v), uv = DOT(u, v), ur = DOT(u, r), vr = DOT(v, r);
+    if (uu == 0.0 && vv == 0.0) {
+        *s = *t = 0.0;
+        return;
+    }
+    if (uu == 0.0) {
+        *s = 0.0, *t = clamp(vr / vv, 0.0, 1.0);
+        return;
+    }
+    if (vv == 0.0) {
+        *t = 0.0, *s = clamp(-ur / uu, 0.0, 1.0);
+        return;
+    }
+    double determinant = uu * vv - uv * uv;
+    if (determinant > 1e-12 * uu * vv) *s = clamp((uv * vr - ur * vv) / determinant, 0.0, 1.0);
+    else { /* the middle of the common part */
+        double first = -ur / uu, second = (uv - ur) / uu, low = first < second ? first : second, high = first + second - low;
+        *s = 0.5 * (clamp(low, 0.0, 1.0) + clamp(high, 0.0, 1.0));
+    }
+    *t = (uv * *s + vr) / vv;
+    if (*t < 0.0) *t = 0.0, *s = clamp(-ur / uu, 0.0, 1.0);
+    else if (*t > 1.0) *t = 1.0, *s = clamp((uv - ur) / uu, 0.0, 1.0);
+}
+
+/* Signed distance of a point from a solid in its frame, its gradient, and the feature that is touched. */
+struct field {
+    double value, slope[3], bend, axis[3];
+};
+
+/* size: radius, half length; the axis is that of z. */
+static void cylinder(const double *size, const double *x, struct field *f)
+{
+    double across = sqrt(x[0] * x[0] + x[1] * x[1]), sign = x[2] < 0.0 ? -1.0 : 1.0;
+    double radial[2] = {across > 0.0 ? x[0] / across : 1.0, across > 0.0 ? x[1] / across : 0.0};
+    double side = across - size[0], end = fabs(x[2]) - size[1];
+    memset(f, 0, sizeof *f);
+    if (side > 0.0 && end > 0.0) { /* the rim */
+        f->value = sqrt(side * side + end * end);
+        f->slope[0] = side / f->value * radial[0], f->slope[1] = side / f->value * radial[1];
+        f->slope[2] = sign * end / f->value, f->bend = 1.0 / f->value;
+        f->axis[0] = -radial[1], f->axis[1] = radial[0];
+    } else if (side >= end) {
+        f->value = side, f->slope[0] = radial[0], f->slope[1] = radial[1];
+        f->bend = across > 0.0 ? 1.0 / across : 0.0, f->axis[2] = 1.0;
+    } else f->value = end, f->slope[2] = sign;
+}
+
+/* size: half of the edges. */
+static void box(const double *size, const double *x, struct field *f)
+{
+    double out[3], sum = 0.0, most = -INFINITY;
+    i64 outside = 0, which = 0, inside = 0;
+    memset(f, 0, sizeof *f);
+    for (i64 k = 0; k < 3; k++) {
+        double beyond = fabs(x[k]) - size[k];
+        if (beyond > most) most = beyond, which = k;
+        out[k] = beyond > 0.0 ? beyond : 0.0;
+        if (beyond > 0.0) outside++;
+        else inside = k;
+        sum += out[k] * out[k];
+    }
+    if (outside <= 1) {
+        f->value = most, f->slope[which] = x[which] < 0.0 ? -1.0 : 1.0;
+        return;
+    }
+    f->value = sqrt(sum);
+    for (i64 k = 0; k < 3; k++) f->slope[k] = (x[k] < 0.0 ? -1.0 : 1.0) * out[k] / f->value;
+    f->bend = 1.0 / f->value;
+    if (outside == 2) f->axis[inside] = 1.0;
+}
+
+/* size: three corners, normal, whether it owns the edge behind each corner, whether the corners. A feature that another
+ * triangle owns is not touched here. Returns whether it is. */
+static i64 triangle(const double *size, const double *x, struct field *f)
+{
+    const double *n = size + 9;
+    double best = INFINITY, at[3] = {0.0, 0.0, 0.0}, from[3] = {x[0] - size[0], x[1] - size[1], x[2] - size[2]};
+    double height = DOT(n, from);
+    i64 inside = 1, owned = 0;
+    memset(f, 0, sizeof *f);
+    for (i64 k = 0; k < 3; k++) {
+        const double *a = size + 3 * k, *b = size + 3 * ((k + 1) % 3);
+        double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, r[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]}, out[3];
+        CROSS(n, e, out); /* into the triangle */
+        if (DOT(out, r) >= 0.0) continue;
+        inside = 0;
+        double t = clamp(DOT(e, r) / DOT(e, e), 0.0, 1.0), d[3];
+        for (i64 i = 0; i < 3; i++) d[i] = r[i] - t * e[i];
+        if (DOT(d, d) >= best) continue;
+        best = DOT(d, d);
+        memcpy(at, d, sizeof at);
+        owned = t <= 0.0 ? size[15 + k] != 0.0 : t >= 1.0 ? size[15 + (k + 1) % 3] != 0.0 : size[12 + k] != 0.0;
+        for (i64 i = 0; i < 3; i++) f->axis[i] = t > 0.0 && t < 1.0 ? e[i] / sqrt(DOT(e, e)) : 0.0;
+    }
+    if (inside) {
+        f->value = height;
+        memcpy(f->slope, n, sizeof f->slope);
+        return 1;
+    }
+    double distance = sqrt(best);
+    if (!owned || height <= 0.0 || distance == 0.0) return 0; /* below its face another one is touched */
+    f->value = distance, f->bend = 1.0 / distance;
+    for (i64 i = 0; i < 3; i++) f->slope[i] = at[i] / distance;
+    return 1;
+}
+
+static i64 field_at(i64 kind, const double *size, const double *x, struct field *f)
+{
+    if (kind == TRIANGLE) return triangle(size, x, f);
+    if (kind == CYLINDER) cylinder(size, x, f);
+    else if (kind == BOX) box(size, x, f);
+    else {
+        memset(f, 0, sizeof *f);
+        f->value = x[2], f->slope[2] = 1.0;
+    }
+    return 1;
+}
+
+/* Where along a + s u the distance from a box is least: its derivative rises. */
+static double lowest(const double *size, const double *a, const double *u)
+{
+    double low = 0.0, high = 1.0;
+    for (i64 k = 0; k < 40; k++) {
+        double s = 0.5 * (low + high), x[3] = {a[0] + s * u[0], a[1] + s * u[1], a[2] + s * u[2]};
+        struct field f;
+        box(size, x, &f);
+        double rate = DOT(f.slope, u);
+        if (rate == 0.0) return s;
+        if (rate < 0.0) low = s;
+        else high = s;
+        if (high - low < 1e-12) break;
+    }
+    return 0.5 * (low + high);
+}
+
+/* The point of a segment that a slot means, in the frame of the solid; how much deeper than a rod that bends around a
+ * cylinder its chord may lie. Returns whether there is one. */
+static i64 where_on(const struct contacts *c, const struct touch *t, const double *a, const double *u, double *s,
+                    double *chord)
+{
+    i64 solid = t->b - c->segments, kind = c->kind[solid];
+    const double *size = c->size + 18 * solid;
+    *chord = 0.0;
+    if (t->slot == START || t->slot == END) {
+        *s = t->slot == END ? 1.0 : 0.0;
+        return 1;
+    }
+    if (kind == CYLINDER) {
+        double uu = u[0] * u[0] + u[1] * u[1];
+        if (uu == 0.0) return 0;
+        *s = -(a[0] * u[0] + a[1] * u[1]) / uu;
+        double radius = c->radius[t->a], most = 1.5 * *s * (1.0 - *s) * uu / (2.0 * (size[0] + radius));
+        *chord = most < radius ? most : radius;
+    } else if (kind == BOX) *s = lowest(size, a, u);
+    else { /* an edge of a triangle: (s, t) inside both */
+        i64 k = t->slot - INSIDE;
+        const double *p = size + 3 * k, *q = size + 3 * ((k + 1) % 3);
+        double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, along;
+        closest(a, u, p, e, s, &along);
+        if (along <= 0.0 || along >= 1.0) return 0;
+    }
+    return *s > 1e-9 && *s < 1.0 - 1e-9;
+}
+
+/* Distance of the segment from an edge of a triangle, in its frame. */
+static i64 edge(const double *size, i64 k, const double *x, struct field *f)
+{
+    const double *a = size + 3 * k, *b = size + 3 * ((k + 1) % 3), *n = size + 9;
+    double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, r[3] = {x[0] - a[0], x[1] - a[1], x[2] - a[2]}, out[3];
+    double t = DOT(e, r) / DOT(e, e), length = sqrt(DOT(e, e));
+    for (i64 i = 0; i < 3; i++) r[i] -= t * e[i], f->axis[i] = e[i] / length;
+    f->value = sqrt(DOT(r, r));
+    CROSS(n, e, out);
+    if (f->value == 0.0 || DOT(n, r) < -1e-9 * f->value || DOT(out, r) > 1e-9 * f->value * length) return 0;
+    for (i64 i = 0; i < 3; i++) f->slope[i] = r[i] / f->value;
+    f->bend = 1.0 / f->value;
+    return 1;
+}
+
+/* A point between the ends of a segment as a mean of them. */
+static void stand(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
+{
+    *count = 0;
+    if (s < 1.0) point[*count] = c->ends[2 * segment], weight[(*count)++] = 1.0 - s;
+    if (s > 0.0) point[*count] = c->ends[2 * segment + 1], weight[(*count)++] = s;
+}
+
+static i64 look_at_solid(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
+{
+    i64 solid = t->b - c->segments, kind = c->kind[solid];
+    const double *pose = x->pose + 12 * solid, *size = c->size + 18 * solid, radius = c->radius[t->a];
+    const double *first = x->point + 3 * c->ends[2 * t->a], *second = x->point + 3 * c->ends[2 * t->a + 1];
+    double a[3], u[3], local[3], way[3], s, chord, at[3];
+    for (i64 k = 0; k < 3; k++) a[k] = first[k] - pose[k], u[k] = second[k] - first[k];
+    times_transposed(pose + 3, a, local);
+    times_transposed(pose + 3, u, way);
+    if (!where_on(c, t, local, way, &s, &chord)) return 0;
+    for (i64 k = 0; k < 3; k++) at[k] = local[k] + s * way[k];
+    struct field f;
+    i64 on_edge = kind == TRIANGLE && t->slot >= INSIDE;
+    if (!(on_edge ? edge(size, t->slot - INSIDE, at, &f) : field_at(kind, size, at, &f))) return 0;
+    seen->depth = radius - chord - f.value;
+    if (kind == TRIANGLE && seen->depth > 2.0 * radius + t->unit) return 0; /* the back of a thin sheet */
+    times(pose + 3, f.slope, seen->normal);
+    times(pose + 3, f.axis, seen->axis);
+    seen->bend = f.bend, seen->count_b = 0, seen->inside = 0;
+    stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+    seen->distance = f.value, seen->arm_a = radius - chord - seen->depth, seen->arm_b = 0.0;
+    for (i64 k = 0; k < 3; k++) {
+        seen->gap[k] = seen->normal[k] * f.value;
+        seen->place[k] = first[k] + s * u[k] - seen->normal[k] * seen->arm_a;
+    }
+    return 1;
+}
+
+/* The four points about a segment of a rod; a rod goes on straight beyond its ends. */
+static void about(const struct contacts *c, const struct scene *x, i64 segment, double out[4][3])
+{
+    const i64 *ends = c->ends + 2 * segment, *beyond = c->beyond + 2 * segment;
+    const double *p = x->point + 3 * ends[0], *q = x->point + 3 * ends[1];
+    for (i64 k = 0; k < 3; k++) {
+        out[1][k] = p[k], out[2][k] = q[k];
+        out[0][k] = beyond[0] < 0 ? 2.0 * p[k] - q[k] : x->point[3 * beyond[0] + k];
+        out[3][k] = beyond[1] < 0 ? 2.0 * q[k] - p[k] : x->point[3 * beyond[1] + k];
+    }
+}
+
+/* How far the curve of a segment is from its chord at most. */
+static double sagging(double p[4][3])
+{
+    double first[3], second[3];
+    for (i64 k = 0; k < 3; k++) first[k] = p[0][k] - 2.0 * p[1][k] + p[2][k], second[k] = p[1][k] - 2.0 * p[2][k] + p[3][k];
+    double a = DOT(first, first), b = DOT(second, second);
+    return 0.125 * sqrt(a > b ? a : b);
+}
+
+/* The quadratic B-spline of a rod's points along a segment: weights of the four points about it, and their slopes and
+ * second derivatives. It touches every segment in its middle. */
+static void spline(double s, double *w, double *slope, double *second)
+{
+    i64 late = s > 0.5;
+    double u = late ? s - 0.5 : s + 0.5;
+    memset(w, 0, 4 * sizeof *w), memset(slope, 0, 4 * sizeof *slope), memset(second, 0, 4 * sizeof *second);
+    w += late, slope += late, second += late;
+    w[0] = 0.5 * (1.0 - u) * (1.0 - u), w[1] = 0.5 + u * (1.0 - u), w[2] = 0.5 * u * u;
+    slope[0] = u - 1.0, slope[1] = 1.0 - 2.0 * u, slope[2] = u;
+    second[0] = 1.0, second[1] = -2.0, second[2] = 1.0;
+}
+
+static void mean(double p[4][3], const double *w, double *out)
+{
+    for (i64 k = 0; k < 3; k++) out[k] = w[0] * p[0][k] + w[1] * p[1][k] + w[2] * p[2][k] + w[3] * p[3][k];
+}
+
+/* Where the curves of two segments come nearest, by Newton's method from (s, t); returns the squared distance. */
+static double nearest(double p[4][3], double q[4][3], double *s, double *t, double *gap)
+{
+    double a[3], b[3], u[3], v[3], over[3], under[3], w[4], slope[4], second[4];
+    for (i64 pass = 0; pass < 8; pass++) {
+        spline(*s, w, slope, second);
+        mean(p, w, a), mean(p, slope, u), mean(p, second, over);
+        spline(*t, w, slope, second);
+        mean(q, w, b), mean(q, slope, v), mean(q, second, under);
+        for (i64 k = 0; k < 3; k++) gap[k] = a[k] - b[k];
+        double g = DOT(gap, u), h = -DOT(gap, v), uu = DOT(u, u), vv = DOT(v, v), uv = DOT(u, v);
+        double aa = uu + DOT(gap, over), bb = vv - DOT(gap, under);
+        if (aa < 0.1 * uu) aa = 0.1 * uu;
+        if (bb < 0.1 * vv) bb = 0.1 * vv;
+        /* what is at an end and would leave stays there */
+        i64 fixed_s = (*s <= 0.0 && g > 0.0) || (*s >= 1.0 && g < 0.0), fixed_t = (*t <= 0.0 && h > 0.0) || (*t >= 1.0 && h < 0.0);
+        double determinant = aa * bb - uv * uv, ds = 0.0, dt = 0.0;
+        if (fixed_s && fixed_t) break;
+        if (fixed_s || determinant < 1e-6 * aa * bb) dt = fixed_t ? 0.0 : -h / bb;
+        if (fixed_t || determinant < 1e-6 * aa * bb) ds = fixed_s ? 0.0 : -g / aa;
+        if (!fixed_s && !fixed_t && determinant >= 1e-6 * aa * bb)
+            ds = -(bb * g + uv * h) / determinant, dt = -(aa * h + uv * g) / determinant;
+        double before[2] = {*s, *t};
+        *s = clamp(*s + ds, 0.0, 1.0), *t = clamp(*t + dt, 0.0, 1.0);
+        if (fabs(*s - before[0]) + fabs(*t - before[1]) < 1e-13) break;
+    }
+    return DOT(gap, gap);
+}
+
+/* A point of the curve of a segment as a mean of the points about it. */
+static void stand_curved(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
+{
+    const i64 *ends = c->ends + 2 * segment, *beyond = c->beyond + 2 * segment;
+    double w[4], slope[4], second[4];
+    spline(s, w, slope, second);
+    if (beyond[0] < 0) w[1] += 2.0 * w[0], w[2] -= w[0], w[0] = 0.0;
+    if (beyond[1] < 0) w[2] += 2.0 * w[3], w[1] -= w[3], w[3] = 0.0;
+    i64 all[4] = {beyond[0], ends[0], ends[1], beyond[1]};
+    *count = 0;
+    for (i64 k = 0; k < 4; k++)
+        if (w[k] != 0.0) point[*count] = all[k], weight[(*count)++] = w[k];
+}
+
+/* Segments touch as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the curve that
+ * rounds it does. */
+static i64 look_at_segment(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
+{
+    double p[4][3], q[4][3], u[3], v[3], gap[3], s, r;
+    about(c, x, t->a, p), about(c, x, t->b, q);
+    for (i64 k = 0; k < 3; k++) u[k] = p[2][k] - p[1][k], v[k] = q[2][k] - q[1][k];
+    closest(p[1], u, q[1], v, &s, &r);
+    for (i64 k = 0; k < 3; k++) seen->gap[k] = p[1][k] + s * u[k] - q[1][k] - r * v[k];
+    double sum = c->radius[t->a] + c->radius[t->b], square = DOT(seen->gap, seen->gap);
+    double round = sagging(p) + sagging(q), near = sum + round;
+    seen->depth = sum - sqrt(square);
+    if (square >= near * near) return 0;
+    double on_a = s, on_b = r, curved = round > 0.0 ? nearest(p, q, &on_a, &on_b, gap) : INFINITY;
+    if (curved < square) {
+        square = curved, s = on_a, r = on_b;
+        memcpy(seen->gap, gap, sizeof gap);
+        stand_curved(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+        stand_curved(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
+    } else {
+        stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+        stand(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
+    }
+    double distance = sqrt(square), center[3] = {0.0, 0.0, 0.0};
+    seen->depth = sum - distance, seen->distance = distance;
+    if (seen->depth <= 0.0) return 0;
+    for (i64 k = 0; k < 3; k++) seen->normal[k] = distance > 0.0 ? seen->gap[k] / distance : t->normal[k];
+    seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
+    seen->arm_a = c->radius[t->a] - 0.5 * seen->depth, seen->arm_b = c->radius[t->b] - 0.5 * seen->depth;
+    for (i64 n = 0; n < seen->count_a; n++)
+        for (i64 k = 0; k < 3; k++) center[k] += seen->weight_a[n] * x->point[3 * seen->point_a[n] + k];
+    for (i64 k = 0; k < 3; k++) seen->place[k] = center[k] - seen->normal[k] * seen->arm_a;
+    seen->bend = distance > 0.0 ? 1.0 / distance : 0.0;
+    memset(seen->axis, 0, sizeof seen->axis);
+    return 1;
+}
+
+/* How two partners touch; returns whether there is anything to be seen: depth may be negative then. */
+i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
+{
+    return t->b < c->segments ? look_at_segment(c, x, t, seen) : look_at_solid(c, x, t, seen);
+}
