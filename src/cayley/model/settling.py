@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,12 +15,14 @@ from cayley.model.rod_loads import Decay
 
 __all__ = ["settling", "slowest_frequency"]
 
+TOUCHING = 0.5
+"""Part of critical damping that contacts are given at least."""
 CANTILEVER = 3.516
 """ω L² √(m/EI) of the first mode of a cantilever."""
 
 
 def settling(model: Model, rate: float | None = None) -> Model:
-    """The model with damping −α m ẋ, −α J ω on all its rods.
+    """The model with damping −α m ẋ, −α J ω on all its rods, and contacts that do not bounce.
 
     Args:
         model: the model.
@@ -31,7 +34,11 @@ def settling(model: Model, rate: float | None = None) -> Model:
     if not model.rods:
         raise ValueError("settling damps rods, and the model has none; give its bodies dampers, such as springs.linear")
     alpha = 2.0 * slowest_frequency(model) if rate is None else validate.positive("settling", "rate", rate, "1/s")
-    return model.replace(loads=(*model.loads, *(Decay(rod=rod, rate=alpha) for rod in model.rods)))
+    loads = (*model.loads, *(Decay(rod=rod, rate=alpha) for rod in model.rods))
+    contact = model.contact
+    if contact is not None and contact.damping < TOUCHING:
+        contact = replace(contact, damping=TOUCHING)
+    return model.replace(loads=loads, contact=contact)
 
 
 def slowest_frequency(model: Model) -> float:
