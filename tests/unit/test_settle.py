@@ -73,6 +73,8 @@ def test_refusals():
     _, model = hanging()
     with pytest.raises(ValueError, match="route"):
         cy.settle(model, route="quickly")
+    with pytest.raises(ValueError, match="statics knows no contact"):
+        cy.settle(model.replace(contact=cy.Contact()), route="statics")
     with pytest.raises(ValueError, match="tolerance"):
         cy.settle(model, tolerance=0.0)
     with pytest.raises(ValueError, match="rate"):

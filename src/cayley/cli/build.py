@@ -103,6 +103,8 @@ class _Found:
             if whole:
                 text = str(error)
             self.add(place, text if place and text else f"{owner}: {text}")
+        except OverflowError:
+            self.add(place, "a number is too large or too small to calculate with; allowed: sizes that there are")
 
     def stop(self) -> None:
         if self.lines:

@@ -100,6 +100,7 @@ class Scenario:
             "rotation": run.rotation,
             "allow_unstable": run.allow_unstable,
             **({"balance": True} if run.balance else {}),
+            **({"settle": run.settle} if run.settle else {}),
             **({} if run.accuracy is None else {"accuracy": run.accuracy}),
         }
 

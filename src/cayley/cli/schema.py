@@ -234,6 +234,7 @@ class RunTable(Table):
         None, gt=1e-12, lt=0.5, description="a number between 1e-12 and 0.5, such as 1e-3, instead of dt"
     )
     rotation: Literal["quaternion", "matrix"] = Field("quaternion", description='"quaternion" or "matrix"')
+    settle: bool | Annotated[float, Field(gt=0)] = Field(False, description="true or false, or a positive number [1/s]")
     balance: bool = Field(False, description="true or false")
     allow_unstable: bool = Field(False, description="true or false")
 

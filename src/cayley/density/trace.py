@@ -115,6 +115,12 @@ class Density:
     @property
     def signature(self) -> str:
         """Text that determines the density and the names of its constants."""
+        if "signature" not in self._cache:
+            self._cache["signature"] = self._signature()
+        found: str = self._cache["signature"]
+        return found
+
+    def _signature(self) -> str:
         inputs = ca.vertcat(self._inputs(), self.parameters)
         parts = [factor * term for part in PARTS for factor, term in (*self.terms[part], (1.0, ca.SX(0)))]
         parts += ca.vertsplit(self.constraints) if self.constraints.numel() else []

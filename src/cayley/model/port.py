@@ -146,7 +146,8 @@ def unit_quaternion(owner: str, name: str, value: Any) -> Quad:
         given = quaternion.from_matrix(matrix)
     else:
         given = validate.array(owner, name, value, (4,), right)
-    length = float(np.linalg.norm(given))
+    with np.errstate(over="ignore"):
+        length = float(np.linalg.norm(given))
     if abs(length - 1.0) > 1e-6:
         raise ValueError(validate.wrong(owner, name, value, right))
     # kept bit for bit, as when read from a store

@@ -152,12 +152,15 @@ def _frozen(values: Any) -> Any:
 
 def _normals(owner: str, vertices: Array, triangles: Ints) -> Array:
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
-    twice = np.cross(b - a, c - a)
-    area = np.linalg.norm(twice, axis=1)
-    longest = np.maximum.reduce([np.einsum("mk,mk->m", side, side) for side in (b - a, c - b, a - c)])
-    thin = np.flatnonzero(area <= 1e-12 * longest)
+    with np.errstate(over="ignore", invalid="ignore"):  # of sizes that nothing has
+        twice = np.cross(b - a, c - a)
+        area = np.linalg.norm(twice, axis=1)
+        longest = np.maximum.reduce([np.einsum("mk,mk->m", side, side) for side in (b - a, c - b, a - c)])
+        thin = np.flatnonzero(~(area > 1e-12 * longest) | ~np.isfinite(area))
     if thin.size:
         k = int(thin[0])
-        raise ValueError(f"{owner}: triangle {k} {tuple(triangles[k].tolist())} has no area; leave it out")
+        raise ValueError(
+            f"{owner}: triangle {k} {tuple(triangles[k].tolist())} has no area that is finite; leave it out"
+        )
     found: Array = twice / area[:, None]
     return found

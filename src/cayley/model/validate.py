@@ -158,7 +158,7 @@ def positive_definite(owner: str, name: str, value: Any, size: int, meaning: str
     smallest = float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T))[0])
     if smallest < 1e-12:
         raise ValueError(f"{owner}: {name} has the scaled eigenvalue {smallest:.3g}, but must be {right}")
-    return frozen(0.5 * (given + given.T))
+    return frozen(0.5 * given + 0.5 * given.T)
 
 
 def frozen(values: Array) -> Array:

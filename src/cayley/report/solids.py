@@ -11,9 +11,9 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 from cayley.lie import quaternion
 from cayley.model import Mesh, Plane
+from cayley.model.skins import patch, skin
 from cayley.model.triangles import Flags, Ints
 from cayley.report.conserved import Array
-from cayley.report.skins import patch, skin
 from cayley.report.style import INK, MUTED, SOLID
 from cayley.report.view import TOWARD, seen
 

@@ -13,11 +13,11 @@ from cayley.lie import quaternion
 from cayley.model import Body, LagrangianPart, Model, Plane, PointMass, Rod
 from cayley.model.loads import Gravity
 from cayley.model.port import Port
+from cayley.model.skins import skin
 from cayley.model.stations import Stations
 from cayley.report.bodies import box_sides
 from cayley.report.conserved import Array, load_free
 from cayley.report.scene import BYTES, Block, Flat, Graph, Link, Mark, Place, Quantity, Scene, Skin, Strand
-from cayley.report.skins import skin
 from cayley.results.body import node_of
 
 _SPACE = ("x", "y", "z")

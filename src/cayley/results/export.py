@@ -1,14 +1,15 @@
 """A run for other programs: CSV tables, one netCDF file, or ParaView files."""
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cayley.lie import quaternion
-from cayley.model import Rod, Section
+from cayley.model import Obstacle, Plane, Rod, Section
+from cayley.model.skins import patch, skin
 from cayley.results.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -27,7 +28,8 @@ def export(run: Trajectory, kind: str, target: str | Path) -> list[Path]:
         run: the run, of a model.
         kind: "csv": a table for each part, a row for each time (and node) with all its fields; "netcdf": one file with
             a group for each part, and energies and momenta; "vtk": for ParaView, tubes with their true sections,
-            and force, moment, velocity, angular velocity, radius and frame at their points, a time series (.pvd).
+            and force, moment, velocity, angular velocity, radius and frame at their points, a time series (.pvd);
+            obstacles, too.
         target: a folder (csv, vtk), or the file (netcdf; NAME.nc).
 
     Returns: the files to open.
@@ -110,22 +112,49 @@ def _vtk(run: Trajectory, folder: Path) -> list[Path]:
     except ImportError:
         raise ValueError("vtk needs meshio; install cayley[export]") from None
     folder.mkdir(parents=True, exist_ok=True)
-    found = []
     assert run.model is not None
-    for part, name in zip(run.model.parts, run.model.names, strict=True):
-        data = run[name]
+
+    def series(name: str, meshes: Iterable[tuple[np.ndarray, list[Any], dict[str, np.ndarray]]]) -> Path:
+        """Write a file for each time, and one that names them."""
         lines = []
-        for k, time in enumerate(run.time):
-            mesh = _tube(part, data.isel(time=k)) if isinstance(part, Rod) else _axes(data.isel(time=k))
-            points, cells, fields = mesh
+        for k, (points, cells, fields) in enumerate(meshes):
             file = folder / f"{name}_{k:06}.vtu"
             meshio.Mesh(points, cells, point_data=fields).write(file, file_format="vtu")
-            lines.append(f'    <DataSet timestep="{float(time)!r}" part="0" file="{file.name}"/>')
+            lines.append(f'    <DataSet timestep="{float(run.time[k])!r}" part="0" file="{file.name}"/>')
         path = folder / f"{name}.pvd"
         head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
         path.write_text(head + "\n".join(lines) + "\n  </Collection>\n</VTKFile>\n", encoding="utf-8")
-        found.append(path)
+        return path
+
+    found = []
+    for part, name in zip(run.model.parts, run.model.names, strict=True):
+        frames = (run[name].isel(time=k) for k in range(len(run.time)))
+        found.append(series(name, (_tube(part, one) if isinstance(part, Rod) else _axes(one) for one in frames)))
+    for obstacle, name in zip(run.model.obstacles, run.model.obstacle_names, strict=True):
+        points, faces = _obstacle(run, obstacle)
+        if obstacle.on is None:
+            found.append(folder / f"obstacle_{name}.vtu")
+            meshio.Mesh(points, [faces]).write(found[-1], file_format="vtu")
+            continue
+        data = run[run.model.name_of(obstacle.on)]
+        placed = quaternion.rotate(data["rotation"].values[:, None], points) + data["position"].values[:, None]
+        found.append(series(f"obstacle_{name}", ((one, [faces], {}) for one in placed)))
     return found
+
+
+def _obstacle(run: Trajectory, obstacle: Obstacle) -> tuple[np.ndarray, tuple[str, np.ndarray]]:
+    """Points and faces of an obstacle in the frame of what carries it; of a plane a square as large as the run."""
+    if not isinstance(obstacle, Plane):
+        mesh = skin(obstacle)
+        return mesh.vertices, ("triangle", mesh.triangles)
+    assert run.model is not None
+    places = np.concatenate([run[name].position.values.reshape(-1, 3) for name in run.model.names])
+    point, right, up = patch(obstacle)
+    middle, half = 0.5 * (places.min(axis=0) + places.max(axis=0)), float(np.ptp(places, axis=0).max()) or 1.0
+    along = np.stack([right, up])
+    foot = point if obstacle.on is not None else point + along.T @ (along @ (middle - point))
+    corners = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return foot + corners @ along, ("quad", np.array([[0, 1, 2, 3]]))
 
 
 def _tube(rod: Rod, data: "xr.Dataset") -> tuple[np.ndarray, list[Any], dict[str, np.ndarray]]:

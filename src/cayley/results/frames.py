@@ -24,8 +24,8 @@ class Frames:
         rates: velocities ω and ẋ that the last three steps of an implicit rule say, if forces depend on velocities,
             shape (m, nodes, dofs): with u, w, v the mean velocities of these steps v + w/2 − u/2, which is of order 2
             and does not know what decays within a step; not numbers before the third step.
-        contact: what is told of contacts (energy, loss, deepest in radii, ..., see steppers.contacts.TOLD) and behind it
-            their forces on all nodes, shape (m, TOLD + nodes × dofs), or None.
+        contact: what is told of contacts (energy, loss, deepest in radii, ..., see steppers.contacts.TOLD) and behind
+            it their forces on all nodes, shape (m, TOLD + nodes × dofs), or None.
     """
 
     times: np.ndarray
@@ -67,7 +67,9 @@ class Frames:
     def at_nodes(self, nodes: np.ndarray) -> "Frames":
         """The same frames of some nodes."""
         rates = None if self.rates is None else self.rates[:, nodes]
-        return replace(self, values=self.values[:, nodes], momenta=self.momenta[:, nodes], memory=None, rates=rates, contact=None)
+        return replace(
+            self, values=self.values[:, nodes], momenta=self.momenta[:, nodes], memory=None, rates=rates, contact=None
+        )
 
     def then(self, later: "Frames") -> "Frames":
         """These frames, and those behind them."""

@@ -163,7 +163,9 @@ def _of_journal(
 ) -> tuple[Frames | None, dict[int, np.ndarray]]:
     """Frames of the journal behind others, of all nodes, and what is remembered at some, numbered after those."""
     first, memories = len(frames.times), {}
-    found: dict[str, list[np.ndarray]] = {name: [] for name in ("steps", "values", "momenta", "work", "rates", "contact")}
+    found: dict[str, list[np.ndarray]] = {
+        name: [] for name in ("steps", "values", "momenta", "work", "rates", "contact")
+    }
     last, count, shapes = int(frames.steps[-1]) if first else -1, 0, (values, momenta)
     for entry in journal.read(folder):
         if entry.tag == journal.FRAMES and entry.step > last:

@@ -50,8 +50,8 @@ def explain(system: System, result: Result, trajectory: Trajectory) -> str:
         return f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; hold less"
     if result.outcome is Outcome.FAST:
         return (
-            f"stopped at t = {time:.6g} s (step {result.step}), at {result.partners}: {result.outcome.value}; give dt below "
-            f"{0.5 * h:.3g} s. The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the "
+            f"stopped at t = {time:.6g} s (step {result.step}), at {result.partners}: {result.outcome.value}; give dt "
+            f"below {0.5 * h:.3g} s. The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the "
             "exception's .partial"
         )
     limit = system.stable_dt(result.state) if np.isfinite(result.state.values).all() else math.nan

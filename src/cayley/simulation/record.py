@@ -80,7 +80,12 @@ class Record:
         blocks = _completed(self._blocks)
         for k, block in enumerate(blocks):
             last = k == len(blocks) - 1 and state is not None
-            more = {"work": block.work, "rates": block.rates, "contact": block.contact, "memory": state.memory if last and state else None}
+            more = {
+                "work": block.work,
+                "rates": block.rates,
+                "contact": block.contact,
+                "memory": state.memory if last and state else None,
+            }
             self.writer.add(block.steps, block.values, block.momenta, **more)
         self._blocks, self._fresh = [], 0
 

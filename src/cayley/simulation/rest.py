@@ -109,7 +109,7 @@ def settle(
     Returns: the Settled; it has the residual and the route.
 
     Raises:
-        ValueError: if an argument does not fit.
+        ValueError: if an argument does not fit, or statics is wanted where there is contact.
         EquilibriumError: if statics alone was wanted and finds nothing.
         SettleError: if a damped run does not come to rest.
         SimulationError: if it stops.
@@ -119,7 +119,9 @@ def settle(
     if route not in (None, STATICS, RUN):
         raise ValueError(f'settle: route is {route!r}; give "{STATICS}", "{RUN}" or None')
     positive("tolerance", tolerance, "1/s")
-    if route != RUN:
+    if route == STATICS and model.contact is not None:
+        raise ValueError("settle: statics knows no contact; leave route out, or give a model without contact")
+    if route != RUN and model.contact is None:
         try:
             return _by_statics(model, start, initial, rule or rules.midpoint)
         except EquilibriumError as error:

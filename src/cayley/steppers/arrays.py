@@ -42,14 +42,9 @@ def coupling_arrays(
     full, light = cells.kernels
     rows, layout = cells.programs[0].rows, plan.system.layout
     together, multipliers = cells.gauss * cells.count, len(cells.programs[0].lanes) - cells.count
-    owner, base = plan.multipliers[which]
-    inside = np.minimum(cells.nodes, plan.size - 1)
-    blocks = np.where(cells.nodes < plan.size, plan.block_of[inside], -1)
+    owner, _ = plan.multipliers[which]
+    blocks = np.where(cells.nodes < plan.size, plan.block_of[np.minimum(cells.nodes, plan.size - 1)], -1)
     own = np.repeat(owner[:, None], blocks.shape[1], axis=1)
-    across, along = plan.blocks.locate(blocks, own), plan.blocks.locate(own, blocks)
-    inner = plan.base[inside]
-    for found, row, column in ((across, inner, base[:, None]), (along, base[:, None], inner)):
-        found[..., 0] = np.where(found[..., 0] < 0, -1, found[..., 0] + row * found[..., 1] + column)
     count = len(cells.nodes)
     padded = -(-count // plan.lanes) * plan.lanes
     shape = (count, plan.stages, together)
@@ -57,6 +52,7 @@ def coupling_arrays(
     return (
         _shared(plan, cells, plan.stages + 1)
         | _drives(plan, cells, steps, state, padded)
+        | coupling_places(plan, cells, which, starts)
         | {
             "run": full.run,
             "setup": full.setup,
@@ -71,15 +67,25 @@ def coupling_arrays(
             "alternating": int(cells.alternating),
             "value": multipliers + cells.count,
             "gradient": multipliers + 2 * cells.count,
-            "across": across,
-            "along": along,
             "inside": (blocks == own).astype(np.int64),
-            "spot": starts[owner] + base,
             "multiplier": np.zeros(shape),
             "start": np.zeros(shape),
             "kept": np.zeros(shape),
         }
     )
+
+
+def coupling_places(plan: "Plan", cells: Cells, which: int, starts: np.ndarray) -> dict[str, np.ndarray]:
+    """Where constraints stand in the matrix, and their multipliers among the unknowns."""
+    owner, base = plan.multipliers[which]
+    inside = np.minimum(cells.nodes, plan.size - 1)
+    blocks = np.where(cells.nodes < plan.size, plan.block_of[inside], -1)
+    own = np.repeat(owner[:, None], blocks.shape[1], axis=1)
+    across, along = plan.blocks.locate(blocks, own), plan.blocks.locate(own, blocks)
+    inner = plan.base[inside]
+    for found, row, column in ((across, inner, base[:, None]), (along, base[:, None], inner)):
+        found[..., 0] = np.where(found[..., 0] < 0, -1, found[..., 0] + row * found[..., 1] + column)
+    return {"across": across, "along": along, "spot": starts[owner] + base, "places": places(plan, cells.nodes)}
 
 
 def _drives(plan: "Plan", cells: Cells, steps: int, state: State, padded: int) -> dict[str, Any]:
@@ -130,12 +136,12 @@ def _shared(plan: "Plan", cells: Cells, times: int) -> dict[str, Any]:
         "psi": np.ascontiguousarray(cells.psi),
         "inverse": _in_lanes(cells.inverse[fill_up], lanes),
         "weight": _in_lanes(weight, lanes),
-        "places": _places(plan, cells.nodes),
+        "places": places(plan, cells.nodes),
     }
 
 
-def _places(plan: "Plan", nodes: np.ndarray) -> np.ndarray:
-    """(offset, stride) in the matrix for every pair of nodes of every cell, −1 at the ground."""
+def places(plan: "Plan", nodes: np.ndarray) -> np.ndarray:
+    """(offset, stride) in the matrix for every pair of nodes of every cell, −1 at the ground, shape (m, k, k, 2)."""
     inside = np.minimum(nodes, plan.size - 1)
     blocks = np.where(nodes < plan.size, plan.block_of[inside], -1)
     width = nodes.shape[1]

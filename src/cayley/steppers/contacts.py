@@ -140,7 +140,7 @@ def with_ground(layout: Layout, values: np.ndarray) -> np.ndarray:
 
 
 def view(system: System, values: np.ndarray, h: float) -> np.ndarray:
-    """All contacts of a configuration: partners, slot, depth, unit of depth, normal, place and normal force, shape (k, 12)."""
+    """All contacts of a configuration: partners, slot, depth, its unit, normal, place, normal force, shape (k, 12)."""
     made = make_contacts(system, h)
     look = made.engine.view_contacts
     look.restype = ctypes.c_int64

@@ -236,7 +236,10 @@ def _advance(
         for coupling, end, size in zip(made.couplings, np.cumsum(sizes), sizes, strict=True):
             coupling["start"][:] = kept[0][end - size : end].reshape(coupling["start"].shape)
     contacts = None if system.contact is None else make_contacts(system, state.h)
-    told, force = np.zeros((len(works), TOLD)), np.zeros((len(works), system.size if contacts else 0, system.layout.dofs))
+    told, force = (
+        np.zeros((len(works), TOLD)),
+        np.zeros((len(works), system.size if contacts else 0, system.layout.dofs)),
+    )
     if contacts is not None:
         contacts.begin(state.values, None if kept is None else kept[1])
     table = np.zeros((1, 1))

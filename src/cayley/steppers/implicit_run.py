@@ -8,6 +8,8 @@ import numpy as np
 
 from cayley.steppers import problem
 from cayley.steppers.cells import constraint_cells, term_cells
+from cayley.steppers.contact_plan import ContactPlan
+from cayley.steppers.contacts import TOLD, make_contacts
 from cayley.steppers.outcome import Outcome, Result
 from cayley.steppers.problem import Plan
 from cayley.steppers.turned_run import run_turned
@@ -42,14 +44,17 @@ def run(
         if reached:
             values, momenta = frames[:reached, :, :rows].copy(), frames[:reached, :, rows:].copy()
             more = {"work": call.work[:reached]} if accounted else {}
-            receive(values, momenta, **more, **({"rates": call.rates[:reached]} if system.damped else {}))
+            more |= {"rates": call.rates[:reached]} if system.damped else {}
+            more |= {} if system.contact is None else {"contact": call.contact[:reached]}
+            receive(values, momenta, **more)
             last = state.step + reached * stride
             # after a failure the memory is not that of the last frame
             memory = call.memory if outcome is Outcome.FINISHED else None
             work = call.work[reached - 1] if accounted else None
             state = replace(state, values=values[-1], momenta=momenta[-1], step=last, memory=memory, work=work)
         if outcome is not Outcome.FINISHED:
-            return Result(outcome, state, state.step + int(counts[2]) - reached * stride, int(counts[3]), call.history)
+            last = state.step + int(counts[2]) - reached * stride
+            return Result(outcome, state, last, int(counts[3]), call.history, call.partners)
         done += count
         if progress is not None:
             progress(done / saves, state.time)
@@ -95,6 +100,8 @@ class Advance:
         history: relative correction and largest residual [N s, N m s] of the last iterations, shape (HISTORY, 2).
         work: work and loss at the frames [J], shape (frames, 1, 2).
         rates: velocities at the frames by the last three steps (see Frames), shape (frames, nodes, dofs).
+        contact: what frames have of contacts, shape (frames, k).
+        partners: which touch where it stopped for that.
     """
 
     outcome: Outcome
@@ -104,6 +111,8 @@ class Advance:
     history: np.ndarray
     work: np.ndarray
     rates: np.ndarray
+    contact: np.ndarray
+    partners: str
 
 
 def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advance:
@@ -126,19 +135,37 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
             "frames": frames,
             "works": work,
             "rates": rates,
+            "contact_told": (told := np.zeros((len(frames), TOLD))),
+            "contact_force": (force := np.zeros((len(frames), plan.size if system.contact else 0, shape[1]))),
             **({"motion": motion} if system.damped else {}),
         },
     )
     if state.work is not None:
         made.arrays["energy"][1:] = state.work[0]
-    made.struct.warm = int(_recall(state, made))
+    known = None if state.memory is None else state.memory[: _size(made)]
+    made.struct.warm = int(_recall(known, made))
+    touching = None
+    if system.contact is not None:
+        touching = ContactPlan(made, make_contacts(system, state.h))
+        touching.contacts.begin(state.values, None if state.memory is None else state.memory[_size(made) :])
+        touching.begin()
     reached = ctypes.c_int64(0)
     code = made.engine.advance(ctypes.byref(made.struct), ctypes.byref(reached))
+    if touching is not None and touching.failure is not None:
+        raise touching.failure
     outcome, counts = list(Outcome)[code], made.arrays["counts"]
     if outcome is Outcome.REDUNDANT:
         counts[3] = np.flatnonzero(plan.block_of == counts[3])[0]
     memory = np.concatenate([part.reshape(-1) for part in _remembered(made)])
-    return Advance(outcome, reached.value, counts, memory, made.arrays["history"], work, rates)
+    partners = ""
+    if touching is not None and system.contact is not None:
+        if outcome is Outcome.FAST:
+            partners, counts[3] = system.contact.described(*map(int, touching.contacts.arrays["blame"])), -1
+        elif outcome is Outcome.FINISHED:
+            memory = np.concatenate([memory, touching.contacts.remember()])
+        touching.contacts.end()
+    contact = np.concatenate([told, force.reshape(len(frames), -1)], axis=1)
+    return Advance(outcome, reached.value, counts, memory, made.arrays["history"], work, rates, contact, partners)
 
 
 def _remembered(made: problem.Problem) -> list[np.ndarray]:
@@ -147,13 +174,17 @@ def _remembered(made: problem.Problem) -> list[np.ndarray]:
     return [*parts, made.arrays["motion"]] if made.plan.system.damped else parts
 
 
-def _recall(state: State, made: problem.Problem) -> bool:
+def _size(made: problem.Problem) -> int:
+    return sum(part.size for part in _remembered(made))
+
+
+def _recall(memory: np.ndarray | None, made: problem.Problem) -> bool:
     """Put what a state remembers into the arrays; returns whether there was anything."""
     parts = _remembered(made)
     sizes = [part.size for part in parts]
-    if state.memory is None or state.memory.shape != (sum(sizes),):
+    if memory is None or memory.shape != (sum(sizes),):
         return False
-    for part, values in zip(parts, np.split(state.memory, np.cumsum(sizes)[:-1]), strict=True):
+    for part, values in zip(parts, np.split(memory, np.cumsum(sizes)[:-1]), strict=True):
         part[:] = values.reshape(part.shape)
     return True
 

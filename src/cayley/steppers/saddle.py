@@ -17,7 +17,8 @@ from cayley.system.turned import as_quaternions, embedded
 def constrained_nodes(system: System) -> np.ndarray:
     """Nodes that constraints, springs and dampers know: all of a density with constraints, of others those of ties.
 
-    Of several densities, or with contact, there is one at least: then a run that nothing ties together is that of a problem, too.
+    Of several densities, or with contact, there is one at least: then a run that nothing ties together is that of a
+    problem, too.
     """
     ties: list[Coupling | Elastic] = [*system.joints, *system.springs]
     found = {node for tie in ties for node in (tie.first, tie.second) if node >= 0}

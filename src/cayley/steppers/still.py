@@ -52,7 +52,16 @@ class Still:
 
     @classmethod
     def at(cls, system: System, values: np.ndarray, time: float = 0.0, spin: np.ndarray | None = None) -> "Still":
-        """Begin at values of all nodes, shape (nodes, rows), and a time [s], with multipliers zero."""
+        """Begin at values of all nodes, shape (nodes, rows), and a time [s], with multipliers zero.
+
+        Raises:
+            ValueError: if the system has contact.
+        """
+        if system.contact is not None:
+            raise ValueError(
+                "statics and vibration know no contact; cy.settle brings a model with contact to rest, or leave it out "
+                "with model.replace(obstacles=[], contact=None)"
+            )
         plan, layout = make_plan(system), system.layout
         blank = State(values=values, momenta=np.zeros((system.size, layout.dofs)), origin=time, h=1.0)
         entries, scales = load_entries(system)

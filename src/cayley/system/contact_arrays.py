@@ -92,7 +92,9 @@ class _Draft:
         for name, values in columns.items():
             self.segments.setdefault(name, []).append(np.asarray(values))
 
-    def add_solid(self, kind: int, node: int, owner: int, frame: np.ndarray, size: Sequence[float], bound: float) -> None:
+    def add_solid(
+        self, kind: int, node: int, owner: int, frame: np.ndarray, size: Sequence[float] | np.ndarray, bound: float
+    ) -> None:
         """Add a solid."""
         filled = np.zeros(SIZE)
         filled[: len(size)] = size
@@ -139,9 +141,7 @@ def touching(model: Model, spans: Sequence[slice], reference: np.ndarray, rows: 
     )
 
 
-def _add_rod(
-    draft: _Draft, owner: int, nodes: slice, places: np.ndarray, radius: float, *, itself: bool
-) -> None:
+def _add_rod(draft: _Draft, owner: int, nodes: slice, places: np.ndarray, radius: float, *, itself: bool) -> None:
     """A segment between neighboring nodes; those nearer than half a turn of the rod's radius do not touch."""
     numbers = np.arange(nodes.start, nodes.stop)
     first = draft.add_points(numbers, np.zeros((len(numbers), 3)))
@@ -173,17 +173,17 @@ def _add_shape(draft: _Draft, owner: int, node: int, shape: Obstacle, *, edged: 
         draft.add_solid(CYLINDER, node, owner, _frame(shape.center, turn), (shape.radius, half), reach)
         edges = _rims(shape, turn)
     elif isinstance(shape, Box):
-        half = 0.5 * np.array(shape.size)
-        reach = float(np.linalg.norm(shape.center) + np.linalg.norm(half))
-        draft.add_solid(BOX, node, owner, _frame(shape.center, np.array(shape.rotation)), half, reach)
-        edges = shape.mesh.vertices, shape.mesh.edges[shape.mesh.convex & ~_flat(shape.mesh)]
+        halves = 0.5 * np.array(shape.size)
+        reach = float(np.linalg.norm(shape.center) + np.linalg.norm(halves))
+        draft.add_solid(BOX, node, owner, _frame(shape.center, np.array(shape.rotation)), halves, reach)
+        edges = shape.mesh.vertices, shape.mesh.edges[shape.mesh.convex & ~shape.mesh.flat]
     elif isinstance(shape, Mesh):
         reach = float(np.linalg.norm(shape.vertices, axis=1).max())
         own = zip(shape.triangles, shape.normals, shape.owns_edge, shape.owns_vertex, strict=True)
         for corners, normal, edge, corner in own:
             size = np.concatenate([shape.vertices[corners].reshape(-1), normal, edge, corner])
             draft.add_solid(TRIANGLE, node, owner, _frame((0.0, 0.0, 0.0), np.array([1.0, 0, 0, 0])), size, reach)
-        edges = shape.vertices, shape.edges[shape.convex]
+        edges = shape.vertices, shape.edges[shape.convex & ~shape.flat]
     if edges is not None and edged:
         _add_edges(draft, owner, node, *edges)
 
@@ -197,18 +197,6 @@ def _add_edges(draft: _Draft, owner: int, node: int, corners: np.ndarray, edges:
         tail.append(fresh[0] + 2 * fresh[1])
         known.update(int(corner) for corner in pair)
     draft.add_segments(first + edges, owner, tail=np.array(tail, dtype=np.int64), round=0)
-
-
-def _flat(mesh: Mesh) -> np.ndarray:
-    """Edges between triangles of one plane, shape (e,)."""
-    flat = np.zeros(len(mesh.edges), dtype=bool)
-    normals: dict[int, np.ndarray] = {}
-    for k, edges in enumerate(mesh.triangle_edges):
-        for edge in map(int, edges):
-            if edge in normals:
-                flat[edge] = np.dot(normals[edge], mesh.normals[k]) > 1.0 - 1e-12
-            normals[edge] = mesh.normals[k]
-    return flat
 
 
 def _rims(shape: Cylinder, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -244,7 +232,14 @@ def _arrays(draft: _Draft) -> dict[str, np.ndarray]:
     for name in ("ends", "beyond", "radius", "owner", "along", "reach", "round", "tail"):
         empty = np.zeros((0, 2) if name in ("ends", "beyond") else 0)
         found[name] = np.concatenate([*draft.segments.get(name, []), empty])
-    for name, shape in (("kind", ()), ("carrier", ()), ("possessor", ()), ("frame", (7,)), ("size", (SIZE,)), ("bound", ())):
+    for name, shape in (
+        ("kind", ()),
+        ("carrier", ()),
+        ("possessor", ()),
+        ("frame", (7,)),
+        ("size", (SIZE,)),
+        ("bound", ()),
+    ):
         found[name] = np.array(draft.solids.get(name, []), dtype=float).reshape(-1, *shape)
     return {
         name: np.ascontiguousarray(values, dtype=np.int64 if name in whole or name == "node" else float)
@@ -262,7 +257,10 @@ def _owners(model: Model) -> dict[str, np.ndarray]:
     numbers = {id(body): len(owners) + k for k, body in enumerate(model.bodies)}
     together = [*range(len(rods)), *(FIXED if s.on is None else numbers[id(s.on)] for s in model.obstacles)]
     joined = [tuple(port.part for port in joint.ports) for joint in model.joints]
-    pairs = [*contact.without, *(pair for pair in joined if len(pair) == 2 and not any(isinstance(p, Rod) for p in pair))]
+    pairs = [
+        *contact.without,
+        *(pair for pair in joined if len(pair) == 2 and not any(isinstance(p, Rod) for p in pair)),
+    ]
     apart = set()
     for one, two in pairs:
         for a, b in itertools.product(_covered(one, owners), _covered(two, owners)):
@@ -296,9 +294,9 @@ def _tied(model: Model, arrays: dict[str, np.ndarray], by_part: dict[int, slice]
         for (a, far), (b, other) in itertools.product(*near):
             if max(far, other) <= NEAR_JOINT * (arrays["radius"][a] + arrays["radius"][b]):
                 found.add(min(a, b) * both + max(a, b))
-        for own, port in zip(near, reversed(joint.ports), strict=True):
+        for beside, port in zip(near, reversed(joint.ports), strict=True):
             carried = np.flatnonzero(np.isin(arrays["carrier"], [by_part[id(port.part)].start]))
-            for (a, far), solid in itertools.product(own, carried):
+            for (a, far), solid in itertools.product(beside, carried):
                 if far <= NEAR_JOINT * arrays["radius"][a]:
                     found.add(a * both + count + int(solid))
     return np.array(sorted(found), dtype=np.int64)

@@ -58,7 +58,7 @@ def _inverse_masses(system: System) -> tuple[np.ndarray, np.ndarray]:
 
 
 def least_stiffness(touching: Touching) -> float:
-    """k [N/m] with which the expected load presses no deeper than wanted: that of all weight shared by the segments.
+    """K [N/m] with which the expected load presses no deeper than wanted: that of all weight shared by the segments.
 
     N = W/√n,    k = N/((1 − SOFT/2) depth), of n segments: those of a heap carry the ones above.
     """

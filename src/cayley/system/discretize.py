@@ -8,6 +8,7 @@ import numpy as np
 
 from cayley.codegen.kernels import Kernels, lanes_for
 from cayley.density import Density, trace
+from cayley.density.lagrangian import Lagrangian
 from cayley.discrete.equations import derive
 from cayley.discrete.layout import Layout
 from cayley.discrete.places import name_at, placed, plain
@@ -20,7 +21,7 @@ from cayley.system.compile import uniform_values
 from cayley.system.connect import connect
 from cayley.system.contact_arrays import touching
 from cayley.system.couplings import Coupling
-from cayley.system.groups import Group, groups_of
+from cayley.system.groups import KINEMATICS, Group, groups_of
 from cayley.system.mixed import mixed
 from cayley.system.own_arrays import own_arrays
 from cayley.system.redundancy import redundant
@@ -92,12 +93,29 @@ def _draft(group: Group, model: Model, rule: Rule, gravity: np.ndarray) -> _Draf
     parts = _arrays(group.parts, rule, gravity)
     constants = _joined(parts) | _forced(forces, parts)
     patterns = {name: _pattern(constants, name) for name in constants if name == plain(name)}
-    density = trace(lagrangian, patterns)
+    density = _traced(lagrangian, patterns)
     entries = {name: _entry(constants, name) for name in density.names}
     entries |= _within(constants, entries, rule)
     named = {name: np.concatenate([part.named[name] for part in parts]) for name in parts[0].named}
     entries["inverse"] = named.pop("inverse")
     return _Draft(density, parts, entries, named)
+
+
+_TRACED: dict[tuple[Any, ...], Density] = {}
+"""Densities of the library that this process has traced, by what of the constants goes into expressions."""
+
+
+def _traced(lagrangian: Lagrangian, constants: Mapping[str, np.ndarray]) -> Density:
+    """Trace a Lagrangian; one of the library once for all constants that are zero and symmetric in the same places."""
+    if all(lagrangian is not known for known in KINEMATICS.values()):
+        return trace(lagrangian, constants)
+    kinds = ((n, v.shape, (v != 0.0).tobytes(), v.ndim == 2 and np.array_equal(v, v.T)) for n, v in constants.items())
+    key = (lagrangian.name, *kinds)
+    if key not in _TRACED:
+        _TRACED[key] = trace(lagrangian, constants)
+    found = _TRACED[key]
+    at_node = {name: value[None] for name, value in constants.items()}
+    return replace(found, values=np.array([_entry(at_node, label)[0] for label in found.names], dtype=float))
 
 
 def _arrays(parts: Sequence[Part], rule: Rule, gravity: np.ndarray) -> list[PartArrays]:

@@ -12,7 +12,7 @@ from cayley.model import LagrangianPart, Model, Part, Rod
 from cayley.system.own_arrays import posed
 from cayley.system.rod_arrays import CONSTRAINED
 
-_KINEMATICS = {
+KINEMATICS = {
     "shearable": library.rod,
     "unshearable": library.unshearable_rod,
     "inextensible": library.inextensible_rod,
@@ -55,7 +55,7 @@ def _group(key: Any, parts: Sequence[Part]) -> Group:
     part = parts[0]
     if isinstance(part, LagrangianPart):
         return Group(posed(part.lagrangian), tuple(parts))
-    return Group(_KINEMATICS[key], tuple(parts), CONSTRAINED[key])
+    return Group(KINEMATICS[key], tuple(parts), CONSTRAINED[key])
 
 
 def _shapes(part: LagrangianPart) -> tuple[Any, ...]:

@@ -218,9 +218,8 @@ class System:
         """
         if self.equations.rule.implicit:
             return float("inf")
-        from cayley.system.stability import stable_dt
-
         from cayley.system.contact_limits import with_contact
+        from cayley.system.stability import stable_dt
 
         if state is None or not self.with_forces:
             limit = stable_dt(self, self.reference if state is None else state.values, enough=enough)

@@ -127,6 +127,7 @@ def test_a_mesh_file_goes_with_its_scenario(tmp_path, monkeypatch):
         ("triangles = [[0, 1, 2]]\n", "", "obstacle #3.file: is missing; allowed: the name of a file, or vertices and"),
         ("scale = 2.0", 'file = "a.stl"', "obstacle #3.vertices: is given beside file; allowed: one of the two"),
         ('name = "lid"', 'name = "shell"', 'obstacle #3.name: is "shell" again; allowed: a name of its own'),
+        ("radius = 0.01", "radius = 1e300", "section.wire: a number is too large or too small to calculate with"),
         ("friction = 0.3", "friction = -1", "contact.friction: is -1; allowed: a number from 0 [-]"),
         ("friction = 0.3", "frictio = 0.3", 'contact.frictio: is no key (did you mean "friction"?); allowed: friction'),
         ('["rope"]', '["rop"]', 'contact.self_contact: is "rop" (did you mean "rope"?); allowed: rope, strip'),

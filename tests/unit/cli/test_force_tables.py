@@ -171,6 +171,14 @@ def test_balance_of_a_scenario():
     assert float(abs(balance.defect[-1])) < 1e-3 * float(balance.work[-1])
 
 
+def test_settling_of_a_scenario():
+    assert "settle" not in read().options()
+    assert read(run="settle = true").options()["settle"] is True
+    assert read(run="settle = 3").options()["settle"] == 3.0
+    with pytest.raises(ScenarioError, match=r"run.settle.*true or false, or a positive number"):
+        read(run="settle = -1.0")
+
+
 @pytest.mark.parametrize(
     ("parts", "told"),
     [

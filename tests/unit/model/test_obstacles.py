@@ -113,7 +113,13 @@ def test_broken_files(tmp_path):
         (lambda: Mesh(SQUARE, [[0, 1, 2], [0, 1]]), ValueError, "must be whole numbers, three vertices for each"),
         (lambda: Mesh(SQUARE, []), ValueError, "must be whole numbers, three vertices for each"),
         (lambda: Mesh(SQUARE * np.nan, [[0, 1, 2]]), ValueError, "must be positions (x, y, z), finite [m]"),
-        (lambda: Mesh(SQUARE, [[0, 1, 2], [0, 1, 1]]), ValueError, "triangle 1 (0, 1, 1) has no area; leave it out"),
+        (
+            lambda: Mesh(SQUARE, [[0, 1, 2], [0, 1, 1]]),
+            ValueError,
+            "triangle 1 (0, 1, 1) has no area that is finite; leave it out",
+        ),
+        (lambda: Mesh(1e200 * SQUARE, [[0, 1, 2]]), ValueError, "triangle 0 (0, 1, 2) has no area that is finite"),
+        (lambda: Box((1, 1, 1), rotation=(1e200, 0, 0, 0)), ValueError, "must be a unit quaternion (w, x, y, z)"),
         (
             lambda: Mesh(SQUARE, [[0, 1, 2], [0, 3, 2]], name="lid"),
             ValueError,

@@ -9,11 +9,11 @@ from numpy.testing import assert_allclose
 
 import cayley as cy
 from cayley.lie import quaternion
+from cayley.model.skins import skin
 from cayley.report import figures
 from cayley.report.conserved import load_free, preserved
 from cayley.report.pack import described
 from cayley.report.scene import Flat, Skin
-from cayley.report.skins import skin
 from cayley.report.snapshots import Contents
 from cayley.report.solids import drawn_edges
 from cayley.report.stage import scene
@@ -116,3 +116,17 @@ def test_what_contact_leaves(run):
         told = model.replace(contact=contact)
         other = cy.Trajectory(frames=run.frames, info=run.info, outline=run.outline, observed=run.observed, model=told)
         assert load_free(other).free is free
+
+
+def test_paraview_files(run, tmp_path):
+    """Shapes on bodies as time series, those in space once; a plane as a square as large as the run."""
+    meshio = pytest.importorskip("meshio")
+    paths = cy.export(run, "vtk", tmp_path)
+    names = ["obstacle_floor.vtu", "obstacle_head.pvd", "obstacle_capsule.pvd", "obstacle_step.vtu"]
+    assert [path.name for path in paths[2:]] == names
+    head = meshio.read(tmp_path / f"obstacle_head_{len(run.time) - 1:06}.vtu")
+    place = run["hammer"].position.values[-1] + quaternion.rotate(run["hammer"].rotation.values[-1], (0, 0, 0.2))
+    assert_allclose(head.points.mean(axis=0), place, atol=1e-12)
+    floor = meshio.read(tmp_path / "obstacle_floor.vtu").points
+    assert_allclose(floor[:, 2], 0.0, atol=1e-15)
+    assert_allclose(floor[:, :2].mean(axis=0), [0.5, 0.0], atol=0.01)

@@ -33,7 +33,7 @@ def library(lanes: int, *, pose: bool = False) -> Any:
             f"cayley: {path.name} is not compiled from the C sources beside it; compile it again (python "
             "hatch_build.py in a checkout, else pip install --force-reinstall cayley)"
         )
-    for name in ("order_blocks", "matrix_size", "advance", "project", "factorize"):
+    for name in ("order_blocks", "matrix_size", "advance", "project", "factorize", "contact_count"):
         getattr(found, name).restype = ctypes.c_int64
     return found
 

@@ -34,7 +34,7 @@ static void place_points(const struct contacts *c, const double *values, double 
 }
 
 /* Longest way of points and of surfaces of solids between two sets of places. */
-static double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others)
+double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others)
 {
     double most = 0.0, far = 0.0;
     for (i64 k = 0; k < 3 * c->points; k += 3) {
@@ -60,7 +60,7 @@ static void swap(double **a, double **b)
     *a = *b, *b = own;
 }
 
-static void list(struct contacts *c, struct scene *x)
+void list_near(struct contacts *c, struct scene *x)
 {
     search(c, x);
     memcpy(x->listed_point, x->point, (size_t)(3 * c->points) * sizeof(double));
@@ -79,7 +79,7 @@ static void renew(struct contacts *c, struct scene *x)
         x->margin = 4.0 * QUICKER * x->stride + c->clearance;
         swap(&x->point, &x->old_point), swap(&x->values, &x->old_values);
         place_solids(c, x->values, x->pose);
-        list(c, x);
+        list_near(c, x);
         swap(&x->point, &x->old_point), swap(&x->values, &x->old_values);
         place_solids(c, x->values, x->pose);
     }
@@ -93,15 +93,15 @@ static void look_ahead(struct contacts *c, struct scene *x)
     double wanted = 2.0 * STEPS * x->stride, least = c->clearance + 4.0 * QUICKER * x->stride;
     double most = 10.0 * least;
     x->margin = wanted < least ? least : wanted > most ? most : wanted;
-    list(c, x);
+    list_near(c, x);
 }
 
 /* Whether partners that touch neither before nor now touched in between. */
-static i64 swept(struct contacts *c, struct scene *x, double unit)
+i64 swept(struct contacts *c, struct scene *x, double unit)
 {
     i64 parts = (i64)ceil(2.0 * x->stride / (SWEEP * unit));
     struct scene y = *x;
-    struct seen seen;
+    struct seen seen, now;
     parts = parts < 200 ? parts : 200;
     y.point = malloc((size_t)(3 * c->points + 1) * sizeof(double));
     y.values = malloc((size_t)((c->nodes + 1) * c->rows) * sizeof(double));
@@ -115,6 +115,7 @@ static i64 swept(struct contacts *c, struct scene *x, double unit)
         for (i64 n = 0; n < x->count && !hit; n++) {
             struct touch *t = x->touch + n;
             if (t->touching || !look(c, &y, t, &seen) || seen.depth <= 0.0) continue;
+            if (look(c, x, t, &now) && now.depth > 0.0) continue; /* they touch now, too */
             c->blame[0] = t->a, c->blame[1] = t->b;
             hit = 1;
         }
@@ -135,7 +136,7 @@ static void turn_of(const struct contacts *c, const struct scene *x, i64 node, d
 }
 
 /* The way of the material point of a node that is at a lever from it now. */
-static void way_of(const struct contacts *c, const struct scene *x, i64 node, const double *lever, double part, double *way,
+void way_of(const struct contacts *c, const struct scene *x, i64 node, const double *lever, double part, double *way,
                    double *turned)
 {
     const double *p = x->values + node * c->rows + c->place_row, *q = x->old_values + node * c->rows + c->place_row;
@@ -149,15 +150,16 @@ static void way_of(const struct contacts *c, const struct scene *x, i64 node, co
     for (i64 k = 0; k < 3; k++) way[k] += part * (p[k] - q[k] + more[k]), turned[k] += 0.5 * fabs(part) * turn[k];
 }
 
-/* Nodes, levers and weights of the two partners: at most eight, weights of the second negative. */
-static i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen,
-                struct foot *foot)
+/* Nodes, levers and weights of the two partners: at most eight, weights of the second negative. Levers go so far from the
+ * centers (reach 0) to the contact (1). */
+i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen, double reach,
+         struct foot *foot)
 {
     i64 count = 0;
     for (i64 side = 0; side < 2; side++) {
         const i64 *points = side ? seen->point_b : seen->point_a;
         const double *weights = side ? seen->weight_b : seen->weight_a;
-        double arm = side ? seen->arm_b : -seen->arm_a;
+        double arm = reach * (side ? seen->arm_b : -seen->arm_a);
         for (i64 n = 0; n < (side ? seen->count_b : seen->count_a); n++) {
             struct foot *f = foot + count++;
             f->node = c->node[points[n]], f->weight = side ? -weights[n] : weights[n];
@@ -192,27 +194,38 @@ static void push_nodes(const struct contacts *c, const struct scene *x, const st
     }
 }
 
-static void part_from(struct contacts *c, struct touch *t)
+void part_from(struct contacts *c, struct touch *t)
 {
     if (t->touching) c->told[1] += 0.5 * c->shear * t->stiffness * DOT(t->slip, t->slip);
     t->touching = 0, t->allowed = 0.0;
     for (i64 k = 0; k < 3; k++) t->slip[k] = t->push[k] = 0.0;
 }
 
-/* One contact of a step: its force, its memory and its account. Returns whether it comes too fast. */
-static i64 step_contact(struct contacts *c, struct scene *x, struct touch *t, const struct seen *seen, double h)
+/* Whether partners come nearer by so much of a radius that they might pass. */
+static i64 hasty(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen)
+{
+    struct foot foot[8];
+    double way[3] = {0.0, 0.0, 0.0}, turned[3];
+    if (t->touching && seen->depth - t->depth > FASTEST * t->unit) return 1;
+    if (t->touching && t->b < c->segments && seen->inside && DOT(seen->normal, t->normal) < 0.0) return 1;
+    if (t->touching) return 0;
+    i64 count = feet(c, x, t, seen, 1.0, foot);
+    for (i64 n = 0; n < count; n++) way_of(c, x, foot[n].node, foot[n].lever, foot[n].weight, way, turned);
+    return -DOT(way, seen->normal) > FASTEST * t->unit;
+}
+
+/* One contact of a step: its force, its memory and its account. */
+void take_contact(struct contacts *c, struct scene *x, struct touch *t, const struct seen *seen, double h)
 {
     struct foot foot[8];
     struct law law;
     double way[3] = {0.0, 0.0, 0.0}, turned[3] = {0.0, 0.0, 0.0}, before[3], slip[3];
-    i64 count = feet(c, x, t, seen, foot);
+    i64 count = feet(c, x, t, seen, 1.0, foot);
     for (i64 n = 0; n < count; n++) way_of(c, x, foot[n].node, foot[n].lever, foot[n].weight, way, turned);
     double nearer = t->touching ? seen->depth - t->depth : -DOT(way, seen->normal), along = DOT(way, seen->normal);
-    if (nearer > FASTEST * t->unit) return 1;
     /* points that roll in come nearer though the partners do not: what counts is the depth */
     for (i64 k = 0; k < 3; k++) way[k] -= (along + nearer) * seen->normal[k];
     t->depth = seen->depth;
-    if (t->touching && DOT(seen->normal, t->normal) < 0.0 && t->b < c->segments && seen->inside) return 1;
     if (t->allowed > 0.0) {
         struct law old;
         law_of(t->stiffness, c->soft * t->unit, seen->depth - t->allowed, &old);
@@ -239,7 +252,6 @@ static i64 step_contact(struct contacts *c, struct scene *x, struct touch *t, co
         c->told[2] = relative;
         c->blame[0] = t->a, c->blame[1] = t->b;
     }
-    return 0;
 }
 
 static double smallest_unit(const struct scene *x)
@@ -249,14 +261,20 @@ static double smallest_unit(const struct scene *x)
     return least;
 }
 
-static void take(struct contacts *c, struct scene *x, const double *values)
+/* Points and solids where the values are. */
+void take_places(const struct contacts *c, struct scene *x)
 {
-    memcpy(x->values, values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
     place_points(c, x->values, x->point);
     place_solids(c, x->values, x->pose);
 }
 
-static void keep(struct contacts *c, struct scene *x)
+static void take(struct contacts *c, struct scene *x, const double *values)
+{
+    memcpy(x->values, values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
+    take_places(c, x);
+}
+
+void keep_places(const struct contacts *c, struct scene *x)
 {
     memcpy(x->old_point, x->point, (size_t)(3 * c->points) * sizeof(double));
     memcpy(x->old_values, x->values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
@@ -279,14 +297,15 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
             if (t->touching) part_from(c, t);
             continue;
         }
-        if (step_contact(c, x, t, &seen, h)) {
+        if (hasty(c, x, t, &seen)) {
             c->blame[0] = t->a, c->blame[1] = t->b;
             return FAST;
         }
+        take_contact(c, x, t, &seen, h);
     }
     if (c->told[2] > c->told[6]) c->told[6] = c->told[2];
     look_ahead(c, x);
-    keep(c, x);
+    keep_places(c, x);
     return FINISHED;
 }
 
@@ -345,8 +364,8 @@ i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
     x->pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
     x->margin = c->clearance;
     take(c, x, values);
-    list(c, x);
-    keep(c, x);
+    list_near(c, x);
+    keep_places(c, x);
     if (recalled) recall(c, x);
     else {
         if (c->relax > 0.0) allow(c, x);

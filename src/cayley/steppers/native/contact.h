@@ -45,7 +45,8 @@ struct scene {
     i64 count, room;
     double margin;
     double stride;    /* largest way of a point since the evaluation before */
-    i64 listed, evaluated;
+    double loss;      /* by friction and damping in a step of an implicit rule */
+    i64 listed;       /* 1: as explicit rules want it, 2: as implicit ones do */
 };
 
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
@@ -63,6 +64,23 @@ i64 look(const struct contacts *c, const struct scene *x, const struct touch *t,
 i64 search(struct contacts *c, struct scene *x);
 double touch_mass(const struct contacts *c, i64 a, i64 b, i64 slot);
 
+/* A node on which a contact acts. */
+struct foot {
+    i64 node;
+    double weight, lever[3]; /* from the node to the contact */
+};
+
 /* contact.c: the rest is in engine.h */
+double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others);
+void take_places(const struct contacts *c, struct scene *x);
+void keep_places(const struct contacts *c, struct scene *x);
+void list_near(struct contacts *c, struct scene *x);
+i64 swept(struct contacts *c, struct scene *x, double unit);
+i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen, double reach,
+         struct foot *foot);
+void way_of(const struct contacts *c, const struct scene *x, i64 node, const double *lever, double part, double *way,
+            double *turned);
+void take_contact(struct contacts *c, struct scene *x, struct touch *t, const struct seen *seen, double h);
+void part_from(struct contacts *c, struct touch *t);
 
 #endif

@@ -8,12 +8,6 @@
 /* Part of critical damping of what sticks, so that it comes to rest there. */
 static const double STICKING = 0.7;
 
-/* A node on which a contact acts. */
-struct foot {
-    i64 node;
-    double weight, lever[3]; /* from the node to the contact */
-};
-
 struct law {
     double energy, force, rate; /* V, V', V'' */
     double grip;                /* rate in parts of the stiffness */

@@ -194,6 +194,10 @@ struct problem {
     i64 inertia;         /* the first so many terms are those of inertia */
     struct coupling *coupling;
     i64 couplings;
+    struct contacts *contacts; /* or null */
+    i64 *contact_nodes;  /* of every candidate, see contact_implicit.c, [candidates][8] */
+    i64 *contact_places; /* (offset, stride) of the block of every pair of them, [candidates][8][8][2] */
+    i64 renew;           /* called where the candidates changed: i64 (*)(void), 0 if all went well */
     i64 fronts;          /* address of the elimination plan */
     double *matrix;
     i64 matrix_size;
@@ -221,6 +225,8 @@ struct problem {
     double *motion;      /* v h of the last three steps, the latest first, [3][nodes + 1][dofs]; or null */
     double *rates;       /* v at the frames that these say, NaN before the third step, [saves][nodes][dofs] */
     double *works;       /* work and loss at the frames, [saves][2] */
+    double *contact_told; /* told of the contacts at the frames, [saves][7] */
+    double *contact_force; /* and their forces, [saves][nodes][dofs] */
     i64 *counts;         /* iterations in all, most in a step, number and node of the last step */
     double *history;     /* (relative correction, residual) of the last iterations, [history_size][2] */
     i64 history_size;
@@ -328,5 +334,13 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h);
 i64 remember_contacts(struct contacts *c, i64 state);
 i64 view_contacts(struct contacts *c, const double *values, i64 most, double *out);
 void end_contacts(i64 state);
+
+/* contact_implicit.c */
+void add_contacts(struct problem *p, double h, i64 tangent);
+i64 list_contacts(struct problem *p, i64 again);
+void contact_nodes(struct contacts *c, i64 *out);
+i64 contact_count(const struct contacts *c);
+i64 outran(struct problem *p);
+i64 accept_contacts(struct problem *p, double h);
 
 #endif

@@ -32,6 +32,8 @@ static const double FIRST_PART = 1.0 / 16.0; /* the solution is followed from th
 static const double SHORTEST_PART = 1e-4;    /* if need be down to this, */
 static const double SMALLEST_GROWTH = 1.0002;  /* by factors that fall from 2 to this */
 
+static const i64 LONGER = 8; /* tries with longer lists of contacts */
+
 static const i64 SINGULAR = -1; /* what newton returns where there is no first correction */
 
 /* Residual (in the right-hand side), momenta and, if wanted, the matrix. */
@@ -45,6 +47,7 @@ void assemble(struct problem *p, i64 number, double begin, double h, i64 tangent
     if (p->still) add_still_loads(p, tangent);
     else add_loads(p, number, h);
     if (!p->order) add_couplings(p, number, begin, h, tangent);
+    if (p->contacts && !p->order) add_contacts(p, h, tangent);
     for (i64 n = 0; n < p->nodes; n++)
         for (i64 i = 0; i < r; i++)
             for (i64 d = 0; d < dofs; d++) {
@@ -223,9 +226,16 @@ static i64 follow(struct problem *p, i64 number, double begin, double h, i64 *pa
     return 1;
 }
 
-static i64 step(struct problem *p, i64 number, double begin)
+/* List contacts about the first control, and plan the elimination with them. */
+static i64 renew(struct problem *p, i64 again)
 {
-    i64 passes = 0, worst = 0, solved = 0, values = (p->nodes + 1) * p->rows;
+    return list_contacts(p, again) ? ((i64(*)(void))p->renew)() : 0;
+}
+
+/* Solve the equations of a step. */
+static i64 solve_step(struct problem *p, i64 number, double begin)
+{
+    i64 passes = 0, worst = 0, solved = 0;
     for (i64 attempt = 0; attempt < 3 && solved != 1; attempt++) { /* then with care, then from the safest start, too */
         first_guess(p, p->warm || number > 0, attempt > 1, begin, p->h);
         solved = newton(p, number, begin, p->h, attempt > 0, &passes, &worst);
@@ -236,8 +246,20 @@ static i64 step(struct problem *p, i64 number, double begin)
         solved = follow(p, number, begin, p->h, &passes, &worst);
         p->counts[0] += passes;
     }
-    p->counts[2] = number, p->counts[3] = worst;
-    if (solved != 1) return 0;
+    p->counts[3] = worst;
+    return solved == 1;
+}
+
+/* One step; returns an outcome. */
+static i64 step(struct problem *p, i64 number, double begin)
+{
+    i64 values = (p->nodes + 1) * p->rows, tries = 0;
+    p->counts[2] = number;
+    if (p->contacts && renew(p, 0)) return NOT_CONVERGED;
+    if (!solve_step(p, number, begin)) return NOT_CONVERGED;
+    while (p->contacts && outran(p)) /* the list was too short: once more, with a longer one */
+        if (++tries > LONGER || renew(p, 1) || !solve_step(p, number, begin)) return NOT_CONVERGED;
+    if (p->contacts && accept_contacts(p, p->h)) return FAST;
     hand_on(p);
     p->energy[1] += drive_work(p, number, p->h);
     for (i64 n = 0; n < p->couplings; n++) {
@@ -249,7 +271,7 @@ static i64 step(struct problem *p, i64 number, double begin)
     memcpy(p->control, p->control + p->stages * values, (size_t)values * sizeof(double));
     p->energy[1] += p->energy[0];
     for (i64 n = 0; n < p->terms; n++) p->energy[1] += p->term[n].work[0], p->energy[2] += p->term[n].work[1];
-    return 1;
+    return FINISHED;
 }
 
 /* Advance through ``saves`` saves of ``stride`` steps each; ``reached`` is the number of saves written. */
@@ -258,7 +280,9 @@ i64 advance(struct problem *p, i64 *reached)
     for (*reached = 0; *reached < p->saves; ++*reached) {
         for (i64 j = 0; j < p->stride; j++) {
             i64 number = *reached * p->stride + j;
-            if (!step(p, number, p->origin + (p->first + (double)number) * p->h)) {
+            i64 outcome = step(p, number, p->origin + (p->first + (double)number) * p->h);
+            if (outcome == FAST) return FAST;
+            if (outcome) {
                 i64 block = p->couplings ? saddle_point(p, number, 0, p->origin + p->h * (p->first + (double)number)) : 0;
                 if (!block) return NOT_CONVERGED;
                 p->counts[3] = block - 1;
@@ -283,6 +307,11 @@ i64 advance(struct problem *p, i64 *reached)
         if (p->motion)
             write_rates(p, number + (p->warm ? (i64)p->first : 0), p->rates + *reached * p->nodes * p->dofs);
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
+        if (p->contacts) {
+            const struct contacts *c = p->contacts;
+            memcpy(p->contact_told + 7 * *reached, c->told, 7 * sizeof(double));
+            memcpy(p->contact_force + *reached * c->nodes * c->dofs, c->force, (size_t)(c->nodes * c->dofs) * sizeof(double));
+        }
         double check = 0.0, *frame = p->frames + *reached * p->nodes * (p->rows + p->dofs);
         for (i64 n = 0; n < p->nodes; n++, frame += p->rows + p->dofs) {
             memcpy(frame, p->control + n * p->rows, (size_t)p->rows * sizeof(double));

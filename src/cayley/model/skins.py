@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cayley.lie import quaternion
-from cayley.model import Box, Capsule, Cylinder, Mesh, Obstacle, Plane, Sphere
 from cayley.model.frames import standard_rotation
-from cayley.model.validate import Triple
-from cayley.report.conserved import Array
+from cayley.model.shapes import Box, Capsule, Cylinder, Mesh, Obstacle, Plane, Sphere
+from cayley.model.validate import Array, Triple
 
 _AROUND, _HALF = 32, 16  # pieces of a circle, and of a half one
 
