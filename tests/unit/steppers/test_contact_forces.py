@@ -118,18 +118,16 @@ def test_of_a_rod_on_what_is_fixed(case):
 
 def test_of_rods_that_cross_and_meet_end_to_end():
     first = rod((-0.13, 0, 0), (0.2, 0, 0))
-    others = rod((0.0, -0.06, 2 * SUNK), (0.02, 0.1, 0)), rod((0.07 + 1.6 * RADIUS, 0.004, 0.002), (0.1, 0.05, 0.02))
-    assert_gradient(*scene(cy.Model(first, *others, contact=STIFF)), 2)
+    others = rod((0.0, -0.06, 2 * SUNK), (0.02, 0.1, 0), name="b"), rod((0.07 + 1.6 * RADIUS, 0.004, 0.002), (0.1, 0.05, 0.02), name="c")
+    assert_gradient(*scene(cy.Model(first, *others, contact=STIFF)), 3)
 
 
 def test_in_the_hollow_of_a_bend():
-    system, values = scene(
-        cy.Model(rod((-0.06, 0, 0), (0.12, 0, 0)), rod((0.006, -0.06, 1.2 * RADIUS), (0.01, 0.12, 0)), contact=STIFF),
-        bend=(0, 0, -0.02),
-    )
+    across = rod((0.002, -0.06, -0.02 + 1.5 * RADIUS), (0.002, 0.12, 0), name="b")
+    system, values = scene(cy.Model(rod((-0.06, 0, 0), (0.12, 0, 0)), across, contact=STIFF), bend=(0, 0, -0.02))
     seen = view(system, values, 1.0)
-    corner = values[1, system.layout.rows_of("x")]
-    assert seen[0, 3] < 2 * RADIUS - np.linalg.norm(np.cross(values[4, 4:7] - corner, (0, 1, 0))) + 0.02
+    chords = 2 * RADIUS - (values[3:, 6].mean() - values[1, 6]) * np.cos(np.arctan(0.02 / 0.06))
+    assert seen[:, 3].max() > chords + 1e-3  # the curve that rounds the corner is nearer
     assert_gradient(system, values, len(seen))
 
 
@@ -157,7 +155,7 @@ def test_of_shapes_on_bodies(case, below):
 
 
 def test_of_a_rod_on_a_turned_body():
-    carrier = body(rotation=(0.9, 0.1, 0.3, 0.2), position=(0.1, 0, 0))
+    carrier = body(rotation=(0.8, 0.0, 0.36, 0.48), position=(0.1, 0, 0))
     box = cy.Box((0.3, 0.3, 0.3), center=(0, 0.1, 0.02), rotation=(0.8, 0.6, 0, 0), on=carrier)
     place, turn = carrier.position, carrier.rotation
     top = np.array(place) + quaternion.rotate(turn, np.array(box.center) + quaternion.rotate(box.rotation, (0.02, 0.03, 0.15 + SUNK)))
