@@ -224,7 +224,7 @@ static double between(const struct field *before, const struct field *behind, co
     return nearer;
 }
 
-/* Where along a + s u the distance from a convex solid is least: its rate rises. */
+/* Where along a + s u the distance from a convex solid is least: its rate rises. Along a face ends are as near. */
 static double lowest(i64 kind, const double *size, const double *a, const double *u, struct field *f)
 {
     double low = 0.0, high = 1.0;
@@ -233,12 +233,13 @@ static double lowest(i64 kind, const double *size, const double *a, const double
         double s = 0.5 * (low + high), x[3] = {a[0] + s * u[0], a[1] + s * u[1], a[2] + s * u[2]};
         field_at(kind, size, x, f);
         double rate = DOT(f->slope, u);
-        if (rate == 0.0) return s;
+        if (rate == 0.0) return f->bend > 0.0 ? s : 0.0;
         if (rate < 0.0) low = s, before = *f;
         else high = s, behind = *f;
         if (high - low < 1e-12) break;
     }
-    if (low == 0.0 || high == 1.0 || f->value >= 0.0) return 0.5 * (low + high);
+    if (low == 0.0 || high == 1.0) return low == 0.0 ? 0.0 : 1.0;
+    if (f->value >= 0.0) return 0.5 * (low + high);
     return clamp(0.5 * (low + high) + between(&before, &behind, u, f), 1e-8, 1.0 - 1e-8);
 }
 
