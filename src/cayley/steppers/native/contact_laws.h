@@ -44,7 +44,7 @@ static inline void friction_of(const struct contacts *c, const struct touch *t, 
 {
     double along = DOT(way, normal), rate = c->damping * law->grip / h;
     double spring = c->shear * t->stiffness, damper = 2.0 * STICKING * law->grip * sqrt(spring * t->mass) / h, most = t->friction * law->force;
-    double resist = -2.0 * rate * sqrt(t->stiffness * t->mass) * along;
+    double resist = -2.0 * rate * sqrt(t->stiffness * t->mass) * along, held[3] = {slip[0], slip[1], slip[2]};
     if (resist < -law->force) resist = -law->force; /* nothing sticks to each other */
     for (i64 k = 0; k < 3; k++) {
         double tangential = way[k] - along * normal[k];
@@ -52,10 +52,10 @@ static inline void friction_of(const struct contacts *c, const struct touch *t, 
         push[k] = -spring * slip[k] - damper * tangential;
     }
     double size = sqrt(DOT(push, push));
-    if (size > most)
+    if (size > most) /* spring and damper take of the way what their force allows; the rest slides, so it is lost */
         for (i64 k = 0; k < 3; k++) {
             push[k] *= most / size;
-            slip[k] = spring > 0.0 ? -push[k] / spring : 0.0;
+            slip[k] = spring > 0.0 ? (damper * held[k] - push[k]) / (spring + damper) : 0.0;
         }
     for (i64 k = 0; k < 3; k++) push[k] += resist * normal[k];
 }
