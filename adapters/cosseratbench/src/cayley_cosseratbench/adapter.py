@@ -16,12 +16,12 @@ from cayley.model.settling import slowest_frequency
 from cayley.simulation import advise
 from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
-from cayley_cosseratbench.start import element_directors
+from cayley_cosseratbench.start import element_directors, pieces
 from cayley_cosseratbench.translate import Translation, driven, touches, translate
 
 ACCURACY = 1e-5
 """Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
-RESTING = 1e-5
+RESTING = 1e-4
 """Speed, in rod lengths per second, below which a run that only settles has come to rest [1/s]."""
 STATICS, DAMPED, MOTION, TOUCHING = "statics", "damped run", "motion", "motion with contact"
 
@@ -119,7 +119,9 @@ class CayleySolver:
             rule = cy.rules.galerkin(time=2, space=2)
             return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
         rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
-        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, n_elements)
+        crossing = touches(scenario) and not scenario.obstacles
+        cut = max(pieces(spec, n_elements) for spec in scenario.rods) if crossing else 1
+        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, cut * n_elements, cut)
 
     def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:
         """Upper bound of the step [s]: the library's choice times the scale."""
