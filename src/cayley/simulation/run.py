@@ -5,6 +5,7 @@ import logging
 import math
 import time as clock
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from cayley.choice.pilot import stepper_of
@@ -12,6 +13,7 @@ from cayley.choice.schedule import Schedule
 from cayley.model import Model
 from cayley.results.append import about_run
 from cayley.results.outline import Outline
+from cayley.results.residual import residual_speed
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import Writer, begin_store, finish
 from cayley.simulation.failure import Interrupted, SimulationError, explain, name_of
@@ -27,6 +29,19 @@ SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
 
 
+@dataclass(frozen=True, slots=True)
+class Calm:
+    """When a run has come to rest: at no frame for some time a node was faster than the tolerance.
+
+    Args:
+        tolerance: of the largest speed of a node over the length of its rod [1/s].
+        time: for how long [s].
+    """
+
+    tolerance: float
+    time: float
+
+
 def run(
     system: System,
     state: State,
@@ -40,6 +55,7 @@ def run(
     model: Model | None = None,
     parts: Mapping[str, slice] | None = None,
     resumed: bool = False,
+    calm: Calm | None = None,
 ) -> Trajectory:
     """Run a system from a state, by equal steps that meet the saves.
 
@@ -55,6 +71,7 @@ def run(
         model: the model that the system is of, if any.
         parts: nodes of its rods by name.
         resumed: whether the store has the frames up to the start already.
+        calm: end at rest.
 
     Returns: the Trajectory.
 
@@ -87,7 +104,8 @@ def run(
     )
     started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
     try:
-        result = _through(plan, system, begin, record, progress, watch)
+        moving = None if calm is None else _Moving(calm, system, model, parts or {})
+        result = _through(plan, system, begin, record, progress, watch, moving)
     except KeyboardInterrupt:
         stopped = True
     if store is not None:
@@ -117,13 +135,14 @@ def _through(
     record: Record,
     progress: Callable[[float, float], None] | None,
     watch: Callable[[System, State], None] | None,
+    moving: "_Moving | None" = None,
 ) -> Result:
-    """Run all strides of a plan, in calls of bounded time."""
+    """Run all strides of a plan, in calls of bounded time; where rest is looked for, frame by frame."""
     stepper, result = stepper_of(system), Result(Outcome.FINISHED, begin, begin.step)
     for stride, frames in plan.pieces:
         done = 0
         while done < frames and result.outcome is Outcome.FINISHED:
-            count = record.most(frames - done)
+            count = record.most(frames - done) if moving is None else 1
             called = clock.perf_counter()
             keep = functools.partial(record.receive, stride)
             result = stepper.run(system, result.state, stride=stride, saves=count, receive=keep)
@@ -133,7 +152,24 @@ def _through(
                 progress((result.state.step - begin.step) / plan.steps, result.state.time)
             if watch is not None:
                 watch(system, result.state)
+            if moving is not None and result.outcome is Outcome.FINISHED and not moving(result.state):
+                return result
     return result
+
+
+class _Moving:
+    """Whether a system still moves, asked at one frame after the other."""
+
+    def __init__(self, calm: Calm, system: System, model: Model | None, parts: Mapping[str, slice]) -> None:
+        self.calm, self.about, self.since = calm, (system, model, parts), math.inf
+
+    def __call__(self, state: State) -> bool:
+        system, model, parts = self.about
+        if residual_speed(system, state, model, parts) > self.calm.tolerance:
+            self.since = math.inf
+        else:
+            self.since = min(self.since, state.time)
+        return state.time - self.since < self.calm.time
 
 
 def _step_size(system: System, state: State, dt: float | None, span: float, *, allow_unstable: bool) -> float:
