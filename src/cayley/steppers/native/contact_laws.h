@@ -44,7 +44,10 @@ static inline void friction_of(const struct contacts *c, const struct touch *t, 
 {
     double along = DOT(way, normal), rate = c->damping * law->grip / h;
     double spring = c->shear * t->stiffness, damper = 2.0 * STICKING * law->grip * sqrt(spring * t->mass) / h, most = t->friction * law->force;
-    double resist = -2.0 * rate * sqrt(t->stiffness * t->mass) * along, held[3] = {slip[0], slip[1], slip[2]};
+    double across = 2.0 * rate * sqrt(t->stiffness * t->mass);
+    if (damper > t->most) damper = t->most;
+    if (across > t->most) across = t->most;
+    double resist = -across * along, held[3] = {slip[0], slip[1], slip[2]};
     if (resist < -law->force) resist = -law->force; /* nothing sticks to each other */
     for (i64 k = 0; k < 3; k++) {
         double tangential = way[k] - along * normal[k];
