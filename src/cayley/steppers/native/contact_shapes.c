@@ -3,6 +3,8 @@
 #include <string.h>
 #include "contact.h"
 
+static const double BORDER = 1e-6; /* of a face, in parts of it: what is on it is above it */
+
 /* Of a unit quaternion. */
 void rotation_matrix(const double *q, double *m)
 {
@@ -253,6 +255,29 @@ static double sunk(const struct contacts *c, const struct scene *x, i64 segment,
     return most < c->radius[segment] ? most : c->radius[segment];
 }
 
+/* A corner of a body above the face of a box touches that face, even at its very border, where another face is nearer. */
+static i64 above_face(const struct contacts *c, const struct scene *x, const struct touch *t, const double *corner, struct field *f)
+{
+    i64 solid = t->b - c->segments, node = c->node[c->ends[2 * t->a]], which = -1;
+    const double *size = c->size + 18 * solid, *pose = x->pose + 12 * solid, *place = x->values + node * c->rows + c->place_row;
+    double middle[3], way[3];
+    for (i64 k = 0; k < 3; k++) way[k] = place[k] - pose[k];
+    times_transposed(pose + 3, way, middle);
+    for (i64 k = 0; k < 3; k++)
+        if (fabs(middle[k]) > size[k]) {
+            if (which >= 0) return 0; /* it is beyond an edge */
+            which = k;
+        }
+    if (which < 0) return 0;
+    double sign = middle[which] < 0.0 ? -1.0 : 1.0, height = sign * corner[which] - size[which];
+    for (i64 k = 0; k < 3; k++)
+        if (k != which && fabs(corner[k]) > size[k] * (1.0 + BORDER)) return 0;
+    if (height < -0.5 * size[which]) return 0;
+    memset(f, 0, sizeof *f);
+    f->value = height, f->slope[which] = sign;
+    return 1;
+}
+
 /* The point of a segment that a slot means, in the frame of the solid, and its distance; how much deeper its chord may
  * lie. Returns whether there is one. */
 static i64 where_on(const struct contacts *c, const struct scene *x, const struct touch *t, const double *a, const double *u,
@@ -278,6 +303,7 @@ static i64 where_on(const struct contacts *c, const struct scene *x, const struc
     if (t->slot >= INSIDE && (*s <= 1e-9 || *s >= 1.0 - 1e-9)) return 0;
     if (known) return 1;
     double at[3] = {a[0] + *s * u[0], a[1] + *s * u[1], a[2] + *s * u[2]};
+    if (kind == BOX && c->radius[t->a] == 0.0 && t->slot < INSIDE && above_face(c, x, t, at, f)) return 1;
     return kind == TRIANGLE && t->slot >= INSIDE ? edge(size, t->slot - INSIDE, at, f) : field_at(kind, size, at, f);
 }
 
