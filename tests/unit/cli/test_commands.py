@@ -63,6 +63,7 @@ def test_the_schema_accepts_what_is_shipped_and_refuses_a_wrong_key(call):
 def test_new_files_are_right(call, template, tmp_path):
     made = call("new", "mine", "--template", template)
     assert made.exit_code == 0, made.output
+    assert made.stdout.split(": ")[-1] == f"cayley {'trace' if template == 'column' else 'run'} mine.toml\n"
     assert call("check", "mine.toml").exit_code == 0
     assert call("new", "mine").exit_code == 2
 
