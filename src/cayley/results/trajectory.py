@@ -84,7 +84,7 @@ class Trajectory:
         if self.model is None:
             raise ValueError(
                 "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
-                "it again, and go on with cy.integrate(system, run.state, t_end=...)"
+                "it again, and go on with cy.resume(path, system=system) or cy.integrate(system, run.state, t_end=...)"
             )
         for part in self.model.own_parts:
             if isinstance(part.lagrangian.function, Unstored):
