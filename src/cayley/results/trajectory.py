@@ -215,7 +215,7 @@ class Trajectory:
         return made
 
     def animate(self, path: str | Path, **options: Any) -> Path:
-        """Write a film of the run: a .gif, or an .mp4 where the program ffmpeg is installed.
+        """Write a film of the run: a .gif, or an .mp4 by the program ffmpeg, which the extra "film" has.
 
         Args:
             path: of the film; an old one is replaced.
