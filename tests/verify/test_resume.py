@@ -92,10 +92,12 @@ def killed(own, options, path, seconds):
 def test_killed_at_random(case, tmp_path, monkeypatch):
     monkeypatch.setattr(arrays, "CHUNK_BYTES", 20_000)
     own, options, whole = case
-    chance, reached = np.random.default_rng(int(os.environ.get("CAYLEY_KILL_SEED", "5"))), []
+    chance, reached, seen = np.random.default_rng(int(os.environ.get("CAYLEY_KILL_SEED", "5"))), [], []
+    cy.simulate(own, store=tmp_path / "whole.zarr", progress=lambda *_: seen.append(time.perf_counter()), **options)
+    span = 1.3 * (seen[-1] - seen[0])  # of the steps, and some of what is observed when they are done
     for k in range(KILLS):
         path = tmp_path / f"{k}.zarr"
-        killed(own, options, path, chance.uniform(0.0, 0.25))
+        killed(own, options, path, chance.uniform(0.0, span))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             opened = cy.Trajectory.open(path, model=own)
