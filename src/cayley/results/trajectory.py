@@ -94,8 +94,8 @@ class Trajectory:
                     "the run with model=... to give it again"
                 )
         rotation, rule, work = self.outline.layout.representation.name, by_name(self.rule), self.frames.work
-        tied = bool(self.model.connections or self.model.springs)
-        # explicit steps with ties account for these in one column, for loads in more, on request
+        tied = bool(self.model.connections or self.model.springs or self.model.contact)
+        # explicit steps with ties or contact account for these in one column, for loads in more, on request
         account = work is not None and (rule.implicit or not tied or work.shape[1] > 1)
         return discretize(self.model, rule, rotation=rotation, account=account)
 
@@ -224,6 +224,28 @@ class Trajectory:
         from cayley.results.reactions import reaction_dataset
 
         return reaction_dataset(self, support, name)
+
+    @property
+    def contacts(self) -> "xr.Dataset":
+        """Contacts over time: their number, energy [J], depth and the deepest so far [radii], dims (time,).
+
+        Raises:
+            ValueError: if nothing can touch in its model, or frames have some nodes only.
+        """
+        from cayley.results.contact_dataset import contacts_dataset
+
+        return contacts_dataset(self)
+
+    def contacts_at(self, frame: int) -> "xr.Dataset":
+        """All contacts at a frame: partners, their elements, place [m], normal, depth [m] and normal force [N].
+
+        Raises:
+            ValueError: as contacts.
+            IndexError: there is no such frame.
+        """
+        from cayley.results.contact_dataset import contacts_at
+
+        return contacts_at(self, frame)
 
     @property
     def plot(self) -> "Plots":
