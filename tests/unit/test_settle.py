@@ -48,6 +48,18 @@ def test_motion_decays_as_asked_and_the_residual_is_its_speed():
     assert abs(run.energy_balance.defect.values[-1]) < 1e-6 * run.energy.values[0]
 
 
+def test_a_run_ends_at_rest():
+    rod, model = hanging()
+    whole = cy.simulate(model, 6.0, settle=True, save_every=0.05)
+    early = cy.simulate(model, 6.0, settle=True, save_every=0.05, rest=1e-3)
+    assert 2.0 < early.time[-1] < 5.0
+    assert early.residual <= 1e-3
+    np.testing.assert_array_equal(early.poses(rod)[0], whole.poses(rod)[0][: len(early.time)])
+    speeds = np.linalg.norm(early[rod].velocity.values, axis=2).max(axis=1)
+    calm = early.time > early.time[-1] - 2.0 / slowest_frequency(model)
+    assert speeds[calm].max() <= 1e-3 < speeds[~calm][-2:].max()
+
+
 def test_the_rate_fits_the_slowest_motion():
     rod, model = hanging(0.02, hold=supports.clamp)
     cantilever = 3.516 * math.sqrt(5e6 * 0.02**2 / 4 / 1100.0)
@@ -79,5 +91,7 @@ def test_refusals():
         cy.settle(model, tolerance=0.0)
     with pytest.raises(ValueError, match="rate"):
         cy.simulate(model, 1.0, settle=-1.0)
+    with pytest.raises(ValueError, match="nothing settles"):
+        cy.simulate(model, 1.0, rest=1e-3)
     with pytest.raises(TypeError, match="is no Model"):
         cy.settle("model")

@@ -173,11 +173,12 @@ def test_a_run_goes_on_bit_for_bit(tmp_path):
     model = cy.Model(
         *rods, loads=[loads.gravity((0, 0, -GRAVITY))], obstacles=[floor], contact=cy.Contact(friction=0.5)
     )
-    options = {"dt": 5e-5, "save_every": 1e-3}
-    whole = cy.simulate(model, 0.03, initial=initial, **options)
+    every = 2.0**-10
+    options = {"dt": every / 16, "save_every": every}
+    whole = cy.simulate(model, 30 * every, initial=initial, **options)
     cut = int(np.flatnonzero(whole.contacts.number.values[:25] >= 2)[-1])  # in the middle of it
-    cy.simulate(model, 1e-3 * cut, initial=initial, store=tmp_path / "run", **options)
-    resumed = cy.resume(tmp_path / "run", 0.03)
+    cy.simulate(model, every * cut, initial=initial, store=tmp_path / "run", **options)
+    resumed = cy.resume(tmp_path / "run", 30 * every)
     for name in ("values", "momenta", "work"):
         assert np.array_equal(getattr(resumed.frames, name), getattr(whole.frames, name)), name
     on = cy.Trajectory.open(tmp_path / "run")

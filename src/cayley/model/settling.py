@@ -19,6 +19,8 @@ TOUCHING = 0.5
 """Part of critical damping that contacts are given at least."""
 CANTILEVER = 3.516
 """ω L² √(m/EI) of the first mode of a cantilever."""
+EASE, EASED = 100.0, 0.3
+"""How much more damping there is at first, and for how long, in 1/α."""
 
 
 def settling(model: Model, rate: float | None = None) -> Model:
@@ -26,7 +28,8 @@ def settling(model: Model, rate: float | None = None) -> Model:
 
     Args:
         model: the model.
-        rate: α [1/s]; None: twice the slowest frequency, critical for that motion.
+        rate: α [1/s]; None: twice the slowest frequency, critical for that motion, and EASE times as much until
+            EASED/α where nothing is driven: what is not quite at rest at the start does not make waves.
 
     Raises:
         ValueError: no rods, or a rate that is not positive.
@@ -34,11 +37,13 @@ def settling(model: Model, rate: float | None = None) -> Model:
     if not model.rods:
         raise ValueError("settling damps rods, and the model has none; give its bodies dampers, such as springs.linear")
     alpha = 2.0 * slowest_frequency(model) if rate is None else validate.positive("settling", "rate", rate, "1/s")
-    loads = (*model.loads, *(Decay(rod=rod, rate=alpha) for rod in model.rods))
+    more = [Decay(rod=rod, rate=alpha) for rod in model.rods]
+    if rate is None and not any(joint.driven for joint in model.connections):
+        more += [Decay(rod=rod, rate=EASE * alpha, until=EASED / alpha) for rod in model.rods]
     contact = model.contact
     if contact is not None and contact.damping < TOUCHING:
         contact = replace(contact, damping=TOUCHING)
-    return model.replace(loads=loads, contact=contact)
+    return model.replace(loads=(*model.loads, *more), contact=contact)
 
 
 def slowest_frequency(model: Model) -> float:

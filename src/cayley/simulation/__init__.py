@@ -15,15 +15,15 @@ from cayley.discrete import rules
 from cayley.discrete.rules import Rule
 from cayley.model import Model
 from cayley.model.loads import Gravity
-from cayley.model.settling import settling
+from cayley.model.settling import settling, slowest_frequency
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import WriteError, add_info
 from cayley.simulation.failure import Interrupted, SimulationError
-from cayley.simulation.rest import Settled, SettleError, settle
+from cayley.simulation.rest import STRETCH, Settled, SettleError, settle
 from cayley.simulation.restart import resume
+from cayley.simulation.run import Calm, span_of
 from cayley.simulation.run import run as _run
-from cayley.simulation.run import span_of
-from cayley.simulation.saves import Saves, nodes_of
+from cayley.simulation.saves import Saves, nodes_of, positive
 from cayley.simulation.start import start_of_model, start_of_system
 from cayley.system.discretize import spans
 from cayley.system.system import State, System
@@ -55,6 +55,7 @@ def simulate(
     initial: Mapping[Any, Mapping[str, Any]] | None = None,
     rotation: str = "quaternion",
     settle: bool | float = False,
+    rest: float | None = None,
     balance: bool = False,
     allow_unstable: bool = False,
     progress: Callable[[float, float], None] | None = None,
@@ -86,6 +87,8 @@ def simulate(
         settle: True: for the sake of where the motion ends, all rods are damped by −α m ẋ, −α J ω with α twice the
             slowest frequency; a number: with this α [1/s]. run.residual tells how fast they still move at the end;
             cy.settle goes straight to rest.
+        rest: end a run that settles before t_end, when no node was faster than this many lengths of its rod per second
+            [1/s], at no frame for 2/ω, ω the slowest frequency.
         balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the
             Lagrangian it is kept anyway.
         allow_unstable: run even with a step over the limit.
@@ -109,7 +112,7 @@ def simulate(
         )
     if rule is not None and not isinstance(rule, Rule):
         raise TypeError(f"simulate: rule is {rule!r}; give one of cy.rules, such as cy.rules.verlet")
-    model = _settling(model, settle)
+    model, calm = _settling(model, settle, rest)
     begin = start_of_model(model, rotation, initial, start=start, account=balance)
 
     saves = _saves(save_every, save_steps, save_at, store, overwrite=overwrite)
@@ -117,7 +120,7 @@ def simulate(
     def run(rule: Rule, dt: float | None, attempt: int = 0) -> Trajectory:
         system, state = begin(rule)
         parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
-        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress, "watch": watch}
+        options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress, "watch": watch, "calm": calm}
         only = None if save_only is None else nodes_of(save_only, model, rule.degree)
         again = replace(saves, overwrite=saves.overwrite or attempt > 0, only=only)
         return _run(system, state, t_end, dt, again, **options, model=model, parts=parts)
@@ -219,11 +222,16 @@ def integrate(
     return _run_chosen(_task(lambda _: (system, state), t_end, save_every, accuracy, rule), [rule], run)
 
 
-def _settling(model: Model, settle: bool | float) -> Model:
-    """The model, damped if that is wanted."""
+def _settling(model: Model, settle: bool | float, rest: float | None) -> tuple[Model, Calm | None]:
+    """The model, damped if that is wanted, and when it rests."""
     if settle is False:
-        return model
-    return settling(model, None if settle is True else settle)
+        if rest is not None:
+            raise ValueError(f"rest is {rest!r}, but nothing settles; give settle=True, too")
+        return model, None
+    damped = settling(model, None if settle is True else settle)
+    if rest is None:
+        return damped, None
+    return damped, Calm(positive("rest", rest, "1/s"), STRETCH / slowest_frequency(model))
 
 
 def _saves(

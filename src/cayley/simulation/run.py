@@ -1,10 +1,12 @@
 """The run from one save to the next: its step, the frames it leaves, and where it stops."""
 
+import contextlib
 import functools
 import logging
 import math
 import time as clock
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from cayley.choice.pilot import stepper_of
@@ -13,6 +15,7 @@ from cayley.model import Model
 from cayley.results.append import about_run
 from cayley.results.contact import warn_of_depth
 from cayley.results.outline import Outline
+from cayley.results.residual import residual_speed
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import Writer, begin_store, finish
 from cayley.simulation.failure import Interrupted, SimulationError, explain, name_of
@@ -28,6 +31,19 @@ SAFETY = 0.9
 """Part of the step limit that is taken when no step is given."""
 
 
+@dataclass(frozen=True, slots=True)
+class Calm:
+    """When a run has come to rest: at no frame for some time a node was faster than the tolerance.
+
+    Args:
+        tolerance: of the largest speed of a node over the length of its rod [1/s].
+        time: for how long [s].
+    """
+
+    tolerance: float
+    time: float
+
+
 def run(
     system: System,
     state: State,
@@ -41,6 +57,7 @@ def run(
     model: Model | None = None,
     parts: Mapping[str, slice] | None = None,
     resumed: bool = False,
+    calm: Calm | None = None,
 ) -> Trajectory:
     """Run a system from a state, by equal steps that meet the saves.
 
@@ -56,6 +73,7 @@ def run(
         model: the model that the system is of, if any.
         parts: nodes of its rods by name.
         resumed: whether the store has the frames up to the start already.
+        calm: end at rest.
 
     Returns: the Trajectory.
 
@@ -71,44 +89,68 @@ def run(
     begin = state.at_step(plan.h)
     stepper_of(system).prepare(system)
     info: dict[str, Any] = {"t_end": t_end, **saves.info()}
-    store = None
-    if saves.store is not None:
-        outline = Outline.of(system)
-        if not resumed:
-            about = about_run(outline, parts or {}, model, begin.h, begin.origin, saves.only)
-            begin_store(
-                saves.store, outline.at_nodes(saves.only), about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite
-            )
-        store = Writer(saves.store, system, model, begin.h, begin.origin, only=saves.only)
+    store = None if saves.store is None else _writer(system, begin, plan, saves, info, model, parts, resumed=resumed)
     known = resumed and (store is None or store.done > 0)
     record = Record(begin, store, known=known, contact=None if known else at_start(system, begin.values, begin.h))
     facts = {"rule": str(system.equations.rule), "dt": begin.h, "nodes": system.size, "store": str(saves.store or "")}
     _log.info(
         "run of %s: %d steps of %.3g s from t = %.6g s", name_of(system), plan.steps, plan.h, begin.time, extra=facts
     )
-    started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
-    try:
-        result = _through(plan, system, begin, record, progress, watch)
-    except KeyboardInterrupt:
-        stopped = True
+    started, result = clock.perf_counter(), None
+    moving = None if calm is None else _Moving(calm, system, model, parts or {})
+    with contextlib.suppress(KeyboardInterrupt):
+        result = _through(plan, system, begin, record, progress, watch, moving)
     if store is not None:
         record.close()
     info = {"wall_time": clock.perf_counter() - started, **info}
-    if store is None:
-        frames = record.frames(None if stopped else result.state.memory)
-        trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
-    else:
-        finish(store.path, system, store.outline, info)
-        trajectory = Trajectory.open(store.path, model=model)
-        trajectory.__dict__["system"] = system  # compiled already
-    ended = "stopped by hand" if stopped else result.outcome.name.lower()
+    trajectory = _trajectory(system, record, result, info, model, parts)
+    ended = "stopped by hand" if result is None else result.outcome.name.lower()
     _log.info("%s after %.3g s, t = %.6g s", ended, info["wall_time"], trajectory.time[-1], extra=facts)
-    if stopped:
+    if result is None:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
         too_fast = result.outcome is Outcome.FAST
         raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=too_fast)
     warn_of_depth(trajectory)
+    return trajectory
+
+
+def _writer(
+    system: System,
+    begin: State,
+    plan: Schedule,
+    saves: Saves,
+    info: Mapping[str, Any],
+    model: Model | None,
+    parts: Mapping[str, slice] | None,
+    *,
+    resumed: bool,
+) -> Writer:
+    """What writes into the store of a run, which is made if the run is not resumed."""
+    assert saves.store is not None
+    if not resumed:
+        outline = Outline.of(system)
+        about = about_run(outline, parts or {}, model, begin.h, begin.origin, saves.only)
+        options: dict[str, Any] = {"expected": plan.frames, "only": saves.only, "overwrite": saves.overwrite}
+        begin_store(saves.store, outline, about, {"wall_time": 0.0, **info}, **options)
+    return Writer(saves.store, system, model, begin.h, begin.origin, only=saves.only)
+
+
+def _trajectory(
+    system: System,
+    record: Record,
+    result: Result | None,
+    info: Mapping[str, Any],
+    model: Model | None,
+    parts: Mapping[str, slice] | None,
+) -> Trajectory:
+    """What a run left, in memory or in its store; the result is None if it was stopped by hand."""
+    if record.writer is None:
+        frames = record.frames(None if result is None else result.state.memory)
+        return Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
+    finish(record.writer.path, system, record.writer.outline, info)
+    trajectory = Trajectory.open(record.writer.path, model=model)
+    trajectory.__dict__["system"] = system  # compiled already
     return trajectory
 
 
@@ -119,13 +161,14 @@ def _through(
     record: Record,
     progress: Callable[[float, float], None] | None,
     watch: Callable[[System, State], None] | None,
+    moving: "_Moving | None" = None,
 ) -> Result:
-    """Run all strides of a plan, in calls of bounded time."""
+    """Run all strides of a plan, in calls of bounded time; where rest is looked for, frame by frame."""
     stepper, result = stepper_of(system), Result(Outcome.FINISHED, begin, begin.step)
     for stride, frames in plan.pieces:
         done = 0
         while done < frames and result.outcome is Outcome.FINISHED:
-            count = record.most(frames - done)
+            count = record.most(frames - done) if moving is None else 1
             called = clock.perf_counter()
             keep = functools.partial(record.receive, stride)
             result = stepper.run(system, result.state, stride=stride, saves=count, receive=keep)
@@ -135,7 +178,24 @@ def _through(
                 progress((result.state.step - begin.step) / plan.steps, result.state.time)
             if watch is not None:
                 watch(system, result.state)
+            if moving is not None and result.outcome is Outcome.FINISHED and not moving(result.state):
+                return result
     return result
+
+
+class _Moving:
+    """Whether a system still moves, asked at one frame after the other."""
+
+    def __init__(self, calm: Calm, system: System, model: Model | None, parts: Mapping[str, slice]) -> None:
+        self.calm, self.about, self.since = calm, (system, model, parts), math.inf
+
+    def __call__(self, state: State) -> bool:
+        system, model, parts = self.about
+        if residual_speed(system, state, model, parts) > self.calm.tolerance:
+            self.since = math.inf
+        else:
+            self.since = min(self.since, state.time)
+        return state.time - self.since < self.calm.time
 
 
 def _step_size(system: System, state: State, dt: float | None, span: float, *, allow_unstable: bool) -> float:

@@ -16,11 +16,13 @@ from cayley.model.settling import slowest_frequency
 from cayley.simulation import advise
 from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
-from cayley_cosseratbench.start import element_directors
-from cayley_cosseratbench.translate import Translation, touches, translate
+from cayley_cosseratbench.start import element_directors, pieces
+from cayley_cosseratbench.translate import Translation, driven, touches, translate
 
 ACCURACY = 1e-5
 """Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
+RESTING = 1e-4
+"""Speed, in rod lengths per second, below which a run that only settles has come to rest [1/s]."""
 STATICS, DAMPED, MOTION, TOUCHING = "statics", "damped run", "motion", "motion with contact"
 
 
@@ -103,23 +105,23 @@ class CayleySolver:
         except (cy.EquilibriumError, cy.SettleError) as error:
             raise Diverged(str(error)) from error
         times = np.linspace(0.0, scenario.duration, n_frames)
-        if plan.way == STATICS:  # at the start as given, and from then on at rest
-            still = [np.minimum(np.arange(n_frames), 1)] * 2
-            poses = [(x[still[0]], p[still[1]]) for x, p in poses]
+        known = np.minimum(np.arange(n_frames), len(poses[0][0]) - 1)  # what rests goes on resting
+        poses = [(x[known], p[known]) for x, p in poses]
         places = tuple(np.ascontiguousarray(x[:, :: plan.stride]) for x, _ in poses)
         turns = tuple(element_directors(x, p[:, :: plan.stride]) for x, (_, p) in zip(places, poses, strict=True))
         return Trajectory(times, places, turns)
 
     def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
-        driven = any(rod.start_motion or rod.end_motion for rod in scenario.rods)
-        if scenario.quasi_static and not driven and not touches(scenario):
+        if scenario.quasi_static and not driven(scenario) and not touches(scenario):
             return Plan(STATICS, cy.rules.midpoint, n_elements)
         if not scenario.quasi_static and not touches(scenario):
             even = n_elements % 2 == 0  # an element of degree 2 has a node in its middle
             rule = cy.rules.galerkin(time=2, space=2)
             return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
         rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
-        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, n_elements)
+        crossing = touches(scenario) and not scenario.obstacles
+        cut = max(pieces(spec, n_elements) for spec in scenario.rods) if crossing else 1
+        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, cut * n_elements, cut)
 
     def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:
         """Upper bound of the step [s]: the library's choice times the scale."""
@@ -137,6 +139,8 @@ class CayleySolver:
             step = {"dt": self._step(scenario, plan, case, frame)}
         elif plan.way == MOTION:
             step = {"accuracy": ACCURACY}
+        if scenario.quasi_static and not driven(scenario):
+            step |= {"rest": RESTING}
         run = cy.simulate(
             case.model,
             scenario.duration,

@@ -2,32 +2,51 @@
 
 import cosseratbench.scenario as suite
 import numpy as np
+from cosseratbench.scenario import parallel_transport
 
+from cayley.discrete.rules import lobatto
 from cayley.lie import quaternion
 
 SMOOTH = 0.2
 """Angle between two segments of a centerline up to which it samples a smooth curve; else it has a corner [rad]."""
 
+CHORD, MOST = 0.05, 9
+"""Largest distance of a chord from the curve it is of, in radii, at the start, and most pieces of an element."""
 
-def node_frames(spec: suite.Rod, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and rotations of nodes, evenly spaced along the unstretched rod.
 
-    d3 is the tangent, d1 the suite's director of the elements on either side, made perpendicular to it.
+def node_frames(spec: suite.Rod, elements: int, degree: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and rotations of the nodes of equal elements, those inside an element at its Lobatto points.
+
+    Positions are the suite's, linear along its centerline; d3 is the tangent, d1 the suite's director of the pieces on
+    either side, made perpendicular to it.
 
     Args:
         spec: the rod.
-        count: number of elements between these nodes.
+        elements: their number.
+        degree: of the elements.
 
-    Returns: positions [m], shape (count + 1, 3), unit quaternions wxyz, shape (count + 1, 4).
+    Returns: positions [m], shape (elements · degree + 1, 3), unit quaternions wxyz, shape (elements · degree + 1, 4).
     """
-    nodes, directors = spec.nodes(count), spec.directors(count)
     line = np.asarray(spec.centerline, dtype=float)
-    inside = nodes[2:] - nodes[:-2]  # of second order: nodes are evenly spaced
-    d3 = _units(np.vstack([_end_tangent(line), inside, -_end_tangent(line[::-1])]))
+    inside = (np.arange(elements)[:, None] + lobatto(degree)[:-1]).reshape(-1)
+    at = spec.length / elements * np.append(inside, elements)
+    arc = _arc(spec, line)
+    nodes = np.stack([np.interp(at, arc, line[:, axis]) for axis in range(3)], axis=1)
+    directors = parallel_transport(nodes, np.asarray(spec.normal, dtype=float))
+    slopes, sizes = np.diff(nodes, axis=0) / np.diff(at)[:, None], np.diff(at)[:, None]
+    middle = sizes[1:] * slopes[:-1] + sizes[:-1] * slopes[1:]  # of the parabola through three nodes
+    d3 = _units(np.vstack([_end_tangent(line), middle, -_end_tangent(line[::-1])]))
     d1 = np.vstack([directors[:1], directors[1:] + directors[:-1], directors[-1:]])
     d1 = _units(d1 - np.sum(d1 * d3, axis=1, keepdims=True) * d3)
     frames = np.stack([d1, np.cross(d3, d1), d3], axis=2)
     return nodes, np.asarray(quaternion.from_matrix(frames), dtype=float)
+
+
+def _arc(spec: suite.Rod, line: np.ndarray) -> np.ndarray:
+    """Unstretched distance along the rod to each point of its centerline [m]."""
+    if spec.rest_arc_length is not None:
+        return np.asarray(spec.rest_arc_length, dtype=float)
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
 
 
 def _end_tangent(line: np.ndarray) -> np.ndarray:
@@ -44,6 +63,16 @@ def _end_tangent(line: np.ndarray) -> np.ndarray:
     if np.linalg.norm(slopes[1] - slopes[0]) > SMOOTH:
         return first
     return slopes[0] - (slopes[1] - slopes[0]) * sizes[0] / (sizes[0] + sizes[1])
+
+
+def pieces(spec: suite.Rod, count: int) -> int:
+    """Into how many elements one of the suite is cut, an odd number, so that chords are near the curve they are of.
+
+    The middle of an element stays the middle of one; of p pieces the chord is off by 1/p² of what it was.
+    """
+    nodes, middles = spec.nodes(count), spec.nodes(2 * count)[1::2]
+    off = float(np.linalg.norm(middles - 0.5 * (nodes[1:] + nodes[:-1]), axis=1).max())
+    return next(p for p in range(1, MOST + 2, 2) if off <= CHORD * spec.radius * p**2 or p >= MOST)
 
 
 def element_directors(positions: np.ndarray, rotations: np.ndarray) -> np.ndarray:

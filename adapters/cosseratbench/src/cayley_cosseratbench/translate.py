@@ -44,7 +44,7 @@ def translate(scenario: suite.Scenario, elements: int, degree: int) -> Translati
     """
     rods, held, loads, initial = [], [], [], {}
     for k, spec in enumerate(scenario.rods):
-        positions, rotations = node_frames(spec, elements * degree)
+        positions, rotations = node_frames(spec, elements, degree)
         rod = _rod(spec, f"rod{k}", elements, positions, rotations)
         rods.append(rod)
         held += _supports(spec, rod, positions, rotations)
@@ -61,6 +61,11 @@ def translate(scenario: suite.Scenario, elements: int, degree: int) -> Translati
 def touches(scenario: suite.Scenario) -> bool:
     """Whether anything can touch anything."""
     return bool(scenario.obstacles) or len(scenario.rods) > 1 or scenario.self_contact
+
+
+def driven(scenario: suite.Scenario) -> bool:
+    """Whether any end is moved."""
+    return any(rod.start_motion or rod.end_motion for rod in scenario.rods)
 
 
 def _rod(spec: suite.Rod, name: str, elements: int, positions: np.ndarray, rotations: np.ndarray) -> cy.Rod:
