@@ -14,7 +14,8 @@ import pytest
 
 import cayley as cy
 from cayley import joints, loads, supports
-from cayley.results import append, journal
+from cayley.results import arrays, journal
+from cayley.simulation.record import Record
 
 RUBBER = cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.4)
 KILLS = int(os.environ.get("CAYLEY_KILLS", "2"))
@@ -89,12 +90,14 @@ def killed(own, options, path, seconds):
 
 
 def test_killed_at_random(case, tmp_path, monkeypatch):
-    monkeypatch.setattr(append, "CHUNK_BYTES", 20_000)
+    monkeypatch.setattr(arrays, "CHUNK_BYTES", 20_000)
     own, options, whole = case
-    chance, reached = np.random.default_rng(int(os.environ.get("CAYLEY_KILL_SEED", "5"))), []
+    chance, reached, seen = np.random.default_rng(int(os.environ.get("CAYLEY_KILL_SEED", "5"))), [], []
+    cy.simulate(own, store=tmp_path / "whole.zarr", progress=lambda *_: seen.append(time.perf_counter()), **options)
+    span = 1.3 * (seen[-1] - seen[0])  # of the steps, and some of what is observed when they are done
     for k in range(KILLS):
         path = tmp_path / f"{k}.zarr"
-        killed(own, options, path, chance.uniform(0.0, 0.25))
+        killed(own, options, path, chance.uniform(0.0, span))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             opened = cy.Trajectory.open(path, model=own)
@@ -138,7 +141,7 @@ def chunks_of(path):
 
 
 def test_the_last_chunk_is_cut_off(short_case, tmp_path, monkeypatch):
-    monkeypatch.setattr(append, "CHUNK_BYTES", 20_000)
+    monkeypatch.setattr(arrays, "CHUNK_BYTES", 20_000)
     own, options, whole = short_case
     path = tmp_path / "run.zarr"
     cy.simulate(own, store=path, **options)
@@ -201,7 +204,7 @@ def test_saves_by_steps_and_at_times(tmp_path):
         cy.simulate(own, t_end=0.1, dt=1e-3, save_at=[0.2, 0.1])
 
 
-def test_a_lagrangian_of_ones_own_goes_on(tmp_path):
+def test_a_lagrangian_of_ones_own_goes_on(tmp_path, monkeypatch):
     inertia = np.diag([1.0, 2.0, 1.5])
 
     @cy.lagrangian(p=cy.Rotation())
@@ -214,6 +217,19 @@ def test_a_lagrangian_of_ones_own_goes_on(tmp_path):
     half = cy.integrate(system, start, t_end=2.0, store=tmp_path / "top.zarr", **options)
     rest = half.resume(4.0, system=system)
     assert np.array_equal(rest.frames.values, whole.frames.values)
+
+    def die(*_):
+        raise MemoryError
+
+    with monkeypatch.context() as patch:
+        patch.setattr("cayley.simulation.run.finish", die)  # what a killed run leaves: states, and nothing observed
+        with pytest.raises(MemoryError):
+            cy.integrate(system, start, t_end=2.0, store=tmp_path / "killed.zarr", **options)
+    opened = cy.Trajectory.open(tmp_path / "killed.zarr")
+    assert np.array_equal(opened.frames.values, half.frames.values)
+    with pytest.raises(ValueError, match=r"go on with cy\.resume\(path, system=system\)"):
+        _ = opened.energy
+    assert np.array_equal(cy.resume(opened.path, 4.0, system=system).energy, whole.energy)
 
 
 def test_a_store_that_is_there_is_not_replaced_unasked(tmp_path):
@@ -243,7 +259,7 @@ def test_runs_are_logged(caplog):
 
 @pytest.mark.parametrize("rule", [cy.rules.verlet, cy.rules.midpoint], ids=str)
 def test_only_some_parts_are_saved(rule, tmp_path, monkeypatch):
-    monkeypatch.setattr(append, "CHUNK_BYTES", 3_000)
+    monkeypatch.setattr(arrays, "CHUNK_BYTES", 3_000)
     own = model(jointed=True)
     rod, other = own.parts
     options = {"rule": rule, "dt": 1e-4, "save_every": 1e-3, "allow_unstable": True}
@@ -269,7 +285,7 @@ def test_only_some_parts_are_saved(rule, tmp_path, monkeypatch):
 
 
 def test_some_parts_of_a_killed_run_go_on(tmp_path, monkeypatch):
-    monkeypatch.setattr(append, "CHUNK_BYTES", 3_000)
+    monkeypatch.setattr(arrays, "CHUNK_BYTES", 3_000)
     own = model(jointed=True)
     options = {"rule": cy.rules.midpoint, "dt": 1e-4, "t_end": 0.3, "save_every": 1e-3}
     whole = cy.simulate(own, **options)
@@ -281,6 +297,30 @@ def test_some_parts_of_a_killed_run_go_on(tmp_path, monkeypatch):
         if len(opened.time) < len(whole.time):
             opened = cy.resume(path, model=own)
         assert np.array_equal(opened["other"].position, whole["other"].position)
+
+
+@pytest.mark.parametrize("chunk", [3_000, 2**22])
+def test_some_parts_of_a_run_stopped_within_a_call_go_on(tmp_path, monkeypatch, chunk):
+    """Its last frames have no memory of the step before; it goes on from the last one that has."""
+    monkeypatch.setattr(arrays, "CHUNK_BYTES", chunk)
+    own, calls, receive = model(jointed=True), [], Record.receive
+    options = {"rule": cy.rules.midpoint, "dt": 1e-4, "t_end": 0.1, "save_every": 1e-3}
+    whole = cy.simulate(own, **options)
+
+    def stopped(self, *given, **more):
+        receive(self, *given, **more)
+        calls.append(len(self._blocks))
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Record, "receive", stopped)
+        with pytest.raises(cy.Interrupted) as caught:
+            cy.simulate(own, store=tmp_path / "run.zarr", save_only=["other"], **options)
+    assert 1 < len(caught.value.partial.time) < len(whole.time)
+    run = cy.resume(tmp_path / "run.zarr", model=own)
+    assert np.array_equal(run["other"].position, whole["other"].position)
+    assert np.array_equal(run.energy, whole.energy)
 
 
 def test_what_can_not_be_saved_alone_is_refused():

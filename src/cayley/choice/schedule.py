@@ -33,6 +33,11 @@ class Schedule:
         """Number of steps."""
         return self.stride * self.saves + self.rest + sum(self.strides)
 
+    @property
+    def frames(self) -> int:
+        """Number of frames, with that of the start."""
+        return 1 + sum(times for _, times in self.pieces)
+
 
 def schedule(span: float, dt: float, save_every: float) -> Schedule:
     """Equal steps, at most dt, that meet the saves; where saves do not divide the span, its end instead.

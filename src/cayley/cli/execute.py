@@ -89,7 +89,7 @@ def finished(
     elif not wanted.quiet:
         console.print(conservation_table(run))
     console.print(f"Results: {store}", soft_wrap=True)
-    if wanted.report and run.only is None:
+    if wanted.report:
         write_report_of(run, scenario, folder / "report.html", console)
     return DONE
 

@@ -13,7 +13,7 @@ from cayley.cli.resume import scenario_of
 from cayley.cli.scenario import load, shipped
 from cayley.cli.schema import ScenarioTables
 
-TEMPLATES = ("cantilever", "pendulum", "assembly", "rope")
+TEMPLATES = ("cantilever", "pendulum", "assembly", "rope", "column")
 EXPORTS = ("csv", "netcdf", "vtk")
 
 
@@ -57,8 +57,10 @@ def new(name: str, template: str) -> int:
         return told([f"{path} is there already; give another name"], WRONG_INPUT)
 
     def write() -> int:
-        path.write_text(known[template].read_text(encoding="utf-8"), encoding="utf-8")
-        print(f"{path} is written; edit it, then: cayley run {path}")
+        text = known[template].read_text(encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
+        command = "run" if "\n[run]" in text else "trace"
+        print(f"{path} is written; edit it, then: cayley {command} {path}")
         return DONE
 
     return guarded(str(path), write)

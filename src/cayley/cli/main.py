@@ -120,7 +120,7 @@ def schema() -> None:
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Of the file NAME.toml to be made.")],
     template: Annotated[
-        str, typer.Option(metavar="WORD", help="cantilever, pendulum, assembly, rope, or a shipped scenario.")
+        str, typer.Option(metavar="WORD", help="cantilever, pendulum, assembly, rope, column, or a shipped scenario.")
     ] = "cantilever",
 ) -> None:
     """Make a scenario file to begin with.
@@ -154,6 +154,8 @@ def doctor() -> None:
     """Say what this installation is, and whether it works: versions, processor, compiled engine, a small run.
 
     Exit codes: 0 all is well, 1 something is not.
+
+    Example: cayley doctor
     """
     from cayley.cli.doctor import doctor
 
@@ -173,6 +175,8 @@ def modes(
     """Find the modes of a scenario about its equilibrium: a table, a Zarr store, pictures, a page where they move.
 
     Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+
+    Example: cayley modes rubber_pendulum --count 5 --out runs/modes
     """
     from cayley.cli.modes import modes
 
@@ -194,6 +198,8 @@ def advise(
     """Compare rules for a scenario without running it: step, steps, expected time and error of each.
 
     Exit codes: 0 done, 2 something is wrong with the input or no rule reaches the accuracy.
+
+    Example: cayley advise rubber_pendulum --accuracy 1e-4
     """
     from cayley.cli.advise import advise
 
@@ -267,7 +273,7 @@ def sweep(
 @app.command()
 def trace(
     scenario: Annotated[
-        str, typer.Argument(metavar="FILE.toml", help="A scenario file with a table [trace].", show_default=False)
+        str, typer.Argument(metavar="FILE.toml", help="A scenario file with a table \\[trace].", show_default=False)
     ],
     out: Out = None,
     quiet: Quiet = False,
@@ -275,6 +281,8 @@ def trace(
     """Follow equilibria of a scenario along a parameter: limit and bifurcation points, a Zarr store, a diagram.
 
     Exit codes: 0 done, 2 something is wrong with the input, 3 there is no equilibrium.
+
+    Example: cayley new column --template column; cayley trace column.toml
     """
     from cayley.cli.trace import trace
 
@@ -291,6 +299,8 @@ def statics(
     """Find the equilibrium of a scenario: ends, reactions and largest moments, a Zarr store, a picture.
 
     Exit codes: 0 done, 2 something is wrong with the input, 3 no equilibrium was found.
+
+    Example: cayley statics rubber_pendulum --out runs/rest
     """
     from cayley.cli.statics import statics
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from cayley.model.rod_loads import Decay
 
 __all__ = ["settling", "slowest_frequency"]
 
+TOUCHING = 0.5
+"""Part of critical damping that contacts are given at least."""
 CANTILEVER = 3.516
 """ω L² √(m/EI) of the first mode of a cantilever."""
 EASE, EASED = 100.0, 0.3
@@ -21,7 +24,7 @@ EASE, EASED = 100.0, 0.3
 
 
 def settling(model: Model, rate: float | None = None) -> Model:
-    """The model with damping −α m ẋ, −α J ω on all its rods.
+    """The model with damping −α m ẋ, −α J ω on all its rods, and contacts that do not bounce.
 
     Args:
         model: the model.
@@ -37,7 +40,10 @@ def settling(model: Model, rate: float | None = None) -> Model:
     more = [Decay(rod=rod, rate=alpha) for rod in model.rods]
     if rate is None and not any(joint.driven for joint in model.connections):
         more += [Decay(rod=rod, rate=EASE * alpha, until=EASED / alpha) for rod in model.rods]
-    return model.replace(loads=(*model.loads, *more))
+    contact = model.contact
+    if contact is not None and contact.damping < TOUCHING:
+        contact = replace(contact, damping=TOUCHING)
+    return model.replace(loads=(*model.loads, *more), contact=contact)
 
 
 def slowest_frequency(model: Model) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from cayley.lie import quaternion
 from cayley.model import Body, LagrangianPart, PointMass
-from cayley.report.conserved import Array
+from cayley.report.conserved import Array, saved_parts
 
 _SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _EDGES = [(i, k) for i in range(8) for k in range(i) if np.abs(_SIGNS[i] - _SIGNS[k]).sum() == 2.0]
@@ -79,7 +79,8 @@ def _placed(lines: Array, center: Array, turn: Array) -> Array:
 
 
 def joint_points(run: Any, frames: list[int]) -> Array:
-    """Where the joints are, by their first ports [m], shape (frames, joints, 3)."""
-    joints = run.model.connections
+    """Where the joints of parts that were saved are, by their first ports [m], shape (frames, joints, 3)."""
+    known = saved_parts(run)
+    joints = [joint for joint in run.model.connections if run.model.name_of(joint.first.part) in known]
     found = [run.port(joint.first)["position"].values[frames] for joint in joints]
     return np.stack(found, axis=1) if found else np.zeros((len(frames), 0, 3))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cayley.discrete.rules import by_name
 from cayley.model import Model
 from cayley.model.loads import Gravity
 
@@ -85,6 +86,12 @@ def load_free(run: Any) -> Window:
     return Window(frames, f"t = {end:g} to {time[-1]:g} s, no loads", True)
 
 
+def saved_parts(run: Any) -> list[str]:
+    """Names of the parts of a run of a model: those that were saved, where it saved some only."""
+    names: list[str] = list(run.model.names)
+    return names if run.only is None else [name for name in names if name in run._parts]
+
+
 def quaternion_defect(run: Any) -> float | None:
     """Largest | ‖p‖ - 1 | of all rotations at all frames; None without rotations."""
     if run.model is None:
@@ -92,7 +99,7 @@ def quaternion_defect(run: Any) -> float | None:
             values for values in run.data.data_vars.values() if "wxyz" in values.dims and "_" not in values.name
         ]
     else:
-        rotations = [run[name].rotation for name in run.model.names]
+        rotations = [run[name].rotation for name in saved_parts(run)]
     lengths = [np.linalg.norm(values.transpose(..., "wxyz").values, axis=-1) for values in rotations]
     return max((float(np.abs(length - 1.0).max()) for length in lengths), default=None)
 
@@ -198,8 +205,10 @@ def _momentum_rows(run: Any, window: Window) -> list[Row]:
 
 
 def _speed_rows(run: Any) -> list[Row]:
-    parts = [run.data] if run.model is None else [run[name] for name in run.model.names]
-    nodes = sum(int(part.sizes.get("node", 1)) for part in parts)
+    if run.model is None:
+        nodes = int(run.data.sizes.get("node", 1))
+    else:
+        nodes = sum((part.node_count - 1) * by_name(run.rule).degree + 1 for part in run.model.parts)
     each = run.wall_time / max(run.steps * nodes, 1) * 1e9
     return [
         Row("step", f"{run.dt:.6g}", "s", f"rule {run.rule}"),

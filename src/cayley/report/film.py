@@ -1,12 +1,13 @@
-"""Films of a run by Matplotlib: GIF, or MP4 where ffmpeg is installed."""
+"""Films of a run by Matplotlib: GIF, or MP4 by the program ffmpeg, the system's or that of the extra "film"."""
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import animation
+from matplotlib import animation, rc_context
 
 from cayley.report.snapshots import Contents, color_bar
 from cayley.report.style import WIDTH, Drawing, style
@@ -48,7 +49,7 @@ def film(run: Any, path: str | Path, *, speed: float | None = None, fps: int = 2
     inches = min((WIDTH - _RIGHT - 2.0 * _EDGE) / width, _HIGHEST / height)  # of a meter
     tall = height * inches + 2.0 * _EDGE
     margin = 0.5 * ((WIDTH - _RIGHT - 2.0 * _EDGE) / inches - width)
-    with style():
+    with style(), rc_context({"animation.ffmpeg_path": _ffmpeg() or "ffmpeg"}):
         figure = Drawing(figsize=(WIDTH, tall))
         place = (_EDGE / WIDTH, _EDGE / tall, 1.0 - (2.0 * _EDGE + _RIGHT) / WIDTH, 1.0 - 2.0 * _EDGE / tall)
         axes = figure.add_axes(place)
@@ -71,8 +72,22 @@ def _writer(path: Path, fps: int) -> Any:
         return animation.PillowWriter(fps=fps)
     if path.suffix != ".mp4":
         raise ValueError(f"animate: {path.name!r} must end in .gif or .mp4")
-    if not animation.FFMpegWriter.isAvailable():
+    if _ffmpeg() is None:
         raise RuntimeError(
-            "animate: an .mp4 film needs the program ffmpeg, which is not here; install it, or give a .gif"
+            "animate: an .mp4 film needs the program ffmpeg, which is not here; install the extra "
+            "(pip install 'cayley[film]') or the program, or give a .gif"
         )
     return animation.FFMpegWriter(fps=fps)
+
+
+def _ffmpeg() -> str | None:
+    """The program: Matplotlib's setting or that of the system, else that of the package imageio-ffmpeg."""
+    found = shutil.which(animation.FFMpegWriter.bin_path())
+    if found is not None:
+        return found
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        return str(get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        return None

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 import cayley
 from cayley.report import figures
 from cayley.report.cite import citation, cite
-from cayley.report.conserved import conservation
+from cayley.report.conserved import conservation, saved_parts
 from cayley.report.player import page
 from cayley.report.stage import scene
 from cayley.report.style import style
@@ -36,7 +36,7 @@ def write_report(
     times: Sequence[float] | None = None,
     nodes: Sequence[int] | None = None,
 ) -> Path:
-    """Write a run as one HTML file that needs no network.
+    """Write a run as one HTML file that needs no network; one that saved some parts only shows these.
 
     Args:
         run: a Trajectory.
@@ -49,8 +49,6 @@ def write_report(
 
     Returns: the path.
     """
-    if run.only is not None:
-        raise ValueError("a report shows all parts, and this run saved some only (save_only); use run[part], run.plot")
     below = "\n".join([*_measured(run, times, nodes), *standing(run, scenario_text=scenario_text, notes=notes)])
     text = page([scene(run)], title=title or "A run", lead=lead(run), below=below)
     return written(path, text)
@@ -89,7 +87,7 @@ def standing(run: Any, *, scenario_text: str | None = None, notes: Sequence[str]
 def _measured(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | None) -> Iterable[str]:
     """The table of conserved quantities, and figures for print."""
     yield section("Conservation", _conservation_table(run))
-    if run.model is not None:
+    if run.model is not None and saved_parts(run):
         drawn = "\n".join(_figures(run, times, nodes))
         yield section("Figures for print", folded("Snapshots and stress resultants", drawn))
 
@@ -115,17 +113,18 @@ def _figures(run: Any, times: Sequence[float] | None, nodes: Sequence[int] | Non
         "the gray line is the shadow on the floor, a ring marks a node held in place. After Leitz, Ober-Blöbaum and "
         "Leyendecker (2014), Figure 4."
     )
+    names = saved_parts(run)
     if run.model.bodies or run.model.connections:
         caption += " A box is a body, of the same mass and inertia, with lines to its ports; a diamond is a joint."
     if run.model.obstacles:
         caption += " Obstacles are gray; a body that carries shapes is drawn by them."
     yield figure_html(figures.snapshots(run, times=times), "The model at some times.", caption)
-    names = [run.model.name_of(rod) for rod in run.model.rods]
     if len(run.time) == 1:  # an equilibrium
         return
-    for rod, name in list(zip(run.model.rods, names, strict=True))[:_MOST_RODS]:
+    rods = [(rod, name) for rod in run.model.rods if (name := run.model.name_of(rod)) in names]
+    for rod, name in rods[:_MOST_RODS]:
         chosen = [k for k in nodes or () if -rod.elements - 1 <= k <= rod.elements] or None
-        yield _resultants(run, name, chosen, f" of {name}" if len(names) > 1 else "")
+        yield _resultants(run, name, chosen, f" of {name}" if len(run.model.rods) > 1 else "")
 
 
 def _resultants(run: Any, name: str, nodes: Sequence[int] | None, which: str) -> str:

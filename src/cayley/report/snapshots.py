@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from cayley.report.bodies import Shape, body_shape, joint_points
-from cayley.report.conserved import Array
+from cayley.report.conserved import Array, saved_parts
 from cayley.report.solids import Solid, around, floor_of, moving, solids
 from cayley.report.style import GRID, INK, MAP, MUTED, SHADOW, WIDTH, Drawing, style
 from cayley.report.view import seen
@@ -102,7 +102,8 @@ class Contents:
     @classmethod
     def of(cls, run: Any, rod: Any, frames: list[int]) -> Contents:
         """A rod, its name, or a list of them; None: all rods, bodies and joints."""
-        all_rods = [run.model.name_of(part) for part in run.model.rods]
+        known = saved_parts(run)
+        all_rods = [name for part in run.model.rods if (name := run.model.name_of(part)) in known]
         chosen = all_rods if rod is None else list(rod) if isinstance(rod, (list, tuple)) else [rod]
         positions, moments = [], []
         for part in chosen:
@@ -110,7 +111,7 @@ class Contents:
             positions.append(data["position"].values)
             moments.append(np.linalg.norm(data["moment"].values, axis=-1))
         others = (*run.model.bodies, *run.model.own_parts) if rod is None else ()
-        shapes = [body_shape(run, part, frames) for part in others]
+        shapes = [body_shape(run, part, frames) for part in others if run.model.name_of(part) in known]
         joints = joint_points(run, frames) if rod is None else np.zeros((len(frames), 0, 3))
         top = max((float(moment.max()) for moment in moments), default=0.0)
         scale = Normalize(0.0, top if top > 0.0 else 1.0)

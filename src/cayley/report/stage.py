@@ -16,9 +16,10 @@ from cayley.model.port import Port
 from cayley.model.skins import skin
 from cayley.model.stations import Stations
 from cayley.report.bodies import box_sides
-from cayley.report.conserved import Array, load_free
+from cayley.report.conserved import Array, load_free, saved_parts
+from cayley.report.own_stage import THIN, field_graphs, field_parts
 from cayley.report.scene import BYTES, Block, Flat, Graph, Link, Mark, Place, Quantity, Scene, Skin, Strand
-from cayley.results.body import node_of
+from cayley.results.body import motion, node_of
 
 _SPACE = ("x", "y", "z")
 _VECTORS = {  # of a rod: label and unit
@@ -27,8 +28,6 @@ _VECTORS = {  # of a rod: label and unit
     "curvature": ("curvature", "1/m"),
     "strain": ("strain", "1"),
 }
-THIN = 0.005
-"""Half of the diagonal of what chains without a cross-section are drawn with, over their length."""
 _RATES = {"velocity": ("speed", "speed", "m/s"), "angular_velocity": ("spin", "angular speed", "rad/s")}
 
 
@@ -49,15 +48,22 @@ def scene(run: Any, *, stride: int | None = None, name: str = "", graphs: bool =
     return Scene(
         name=name,
         time=time,
-        parts=() if model is None else tuple(_parts(run, frames)),
+        parts=tuple(field_parts(run, frames) if model is None else _parts(run, frames)),
         marks=() if model is None else tuple(_marks(run)),
         links=() if model is None else tuple(_links(run)),
         solids=() if model is None else tuple(_solids(model)),
         graphs=tuple(_graphs(run, frames)) if graphs else (),
         up=(0, 0, 1) if model is None else upward(model),
         shade=(float(run.time[0]), float(run.time[window.frames][0])) if loaded else None,
-        note="" if every == 1 else f"One in {every} of {len(run.time)} saved frames is shown.",
+        note=" ".join(_notes(run, every)),
     )
+
+
+def _notes(run: Any, every: int) -> Iterator[str]:
+    if every > 1:
+        yield f"One in {every} of {len(run.time)} saved frames is shown."
+    if run.only is not None:
+        yield "What was not saved (save_only) is not shown."
 
 
 def default_stride(run: Any) -> int:
@@ -78,8 +84,8 @@ def upward(model: Model) -> tuple[int, int, int]:
 
 
 def _parts(run: Any, frames: slice) -> Iterator[Strand | Block]:
-    for part, name in zip(run.model.parts, run.model.names, strict=True):
-        data = run[name].isel(time=frames)
+    for name in saved_parts(run):
+        part, data = run._part(name), run[name].isel(time=frames)
         if isinstance(part, Rod):
             yield _strand(run, part, name, data, frames)
         elif part.node_count > 1:
@@ -87,6 +93,27 @@ def _parts(run: Any, frames: slice) -> Iterator[Strand | Block]:
         else:
             shaped = any(obstacle.on is part for obstacle in run.model.obstacles)
             yield replace(_block(part, name, data), shaped=shaped)
+    yield from _points(run, frames)
+
+
+def _points(run: Any, frames: slice) -> Iterator[Block]:
+    """Nodes that were saved without the others of their parts."""
+    whole = {node for name in saved_parts(run) for node in range(run.spans[name].start, run.spans[name].stop)}
+    for node in () if run.only is None else run.only.tolist():
+        if node in whole:
+            continue
+        name = next(name for name, span in run.spans.items() if span.start <= node < span.stop)
+        k = (node - run.spans[name].start) // by_name(run.rule).degree
+        x, p, v, turning = (one[frames] for one in motion(run, run.index_of(node)))
+        yield Block(
+            name=f"{name}.{run._part(name).node_name(k)}",
+            position=x[:, None],
+            rotation=p[:, None],
+            quantities={
+                key: Quantity(label=label, unit=unit, values=np.linalg.norm(rate, axis=-1)[:, None])
+                for rate, (key, label, unit) in zip((v, turning), _RATES.values(), strict=True)
+            },
+        )
 
 
 def _strand(run: Any, rod: Rod, name: str, data: Any, frames: slice) -> Strand:
@@ -180,24 +207,33 @@ def _place(run: Any, port: Any) -> Place:
     """Where a port is, or a point of the ground."""
     if not isinstance(port, Port):
         return Place(part=None, shift=tuple(port.position))
-    number = next(k for k, part in enumerate(run.model.parts) if part is port.part)
-    first = int(run._parts[run.model.names[number]].start)
-    return Place(part=number, node=node_of(run, port) - first, shift=port.shift)
+    name = run.model.name_of(port.part)
+    return Place(
+        part=saved_parts(run).index(name), node=node_of(run, port) - int(run._parts[name].start), shift=port.shift
+    )
+
+
+def _shown(run: Any, *places: Any) -> bool:
+    """Whether the parts of places were saved."""
+    return all(not isinstance(one, Port) or run.model.name_of(one.part) in saved_parts(run) for one in places)
 
 
 def _marks(run: Any) -> Iterator[Mark]:
     model = run.model
     for support in model.supports:
         where = support.port.called(model.name_of(support.port.part))
-        yield Mark(kind="support", name=f"{support.kind} at {where}", place=_place(run, support.port))
+        if _shown(run, support.port):
+            yield Mark(kind="support", name=f"{support.kind} at {where}", place=_place(run, support.port))
     for joint in model.connections:
-        yield Mark(kind="joint", name=model.described(joint, short=True), place=_place(run, joint.first))
+        sides = [one for one in (joint.first, joint.second) if isinstance(one, Port) and _shown(run, one)]
+        if sides:
+            yield Mark(kind="joint", name=model.described(joint, short=True), place=_place(run, sides[0]))
 
 
 def _links(run: Any) -> Iterator[Link]:
     """Springs of two points that are not the same at the start."""
     for spring in run.model.springs:
-        if spring.distance > 0.0:
+        if spring.distance > 0.0 and _shown(run, spring.first, spring.second):
             name = run.model.described(spring, short=True)
             yield Link(name=name, first=_place(run, spring.first), second=_place(run, spring.second))
 
@@ -220,10 +256,17 @@ def _graphs(run: Any, frames: slice) -> Iterator[Graph]:
 
     energies = columns(run.kinetic_energy, run.potential_energy, run.energy)
     yield Graph(title="Energy", unit="J", names=("kinetic", "potential", "total"), values=energies)
-    for title, unit, series in (
-        ("Linear momentum", "kg m/s", run.linear_momentum),
-        ("Angular momentum about the origin", "kg m²/s", run.angular_momentum),
-    ):
+    if run.model is None:
+        yield from field_graphs(run, frames)
+    sums = (
+        ()
+        if run.only is not None
+        else (
+            ("Linear momentum", "kg m/s", run.linear_momentum),
+            ("Angular momentum about the origin", "kg m²/s", run.angular_momentum),
+        )
+    )
+    for title, unit, series in sums:
         yield Graph(title=title, unit=unit, names=_SPACE, values=series.transpose("time", "axis").values[frames])
     if run.accounted:
         balance = run.energy_balance

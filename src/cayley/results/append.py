@@ -1,4 +1,4 @@
-"""Frames of a run as arrays of a Zarr group, written at once or one behind the other (see results.store)."""
+"""What of a run stands in which array of its store, written at once or chunk by chunk (see results.store)."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -11,6 +11,7 @@ from cayley import __version__
 from cayley.discrete.layout import Layout
 from cayley.model import Model
 from cayley.model.loads import LineLoad, PointLoad
+from cayley.results.arrays import Arrays
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations
 from cayley.results.outline import Outline
@@ -20,9 +21,6 @@ from cayley.steppers.contacts import TOLD
 
 FORMAT = "cayley run"
 VERSION = 2
-CHUNK_BYTES = 2**20
-"""Size of a chunk before compression; a chunk holds all nodes of some frames."""
-
 ENERGIES = {"kinetic": "kinetic_energy", "strain": "strain_energy", "load": "load_energy"}
 ON_INTERVAL = {"slope": "slopes", "resultant": "resultants"}
 _UNITS = {  # of a rod; what the fields of a Lagrangian of one's own mean, its author knows
@@ -85,57 +83,55 @@ def plain(info: Mapping[str, Any]) -> dict[str, Any]:
     return dict(json.loads(json.dumps(dict(info), default=float)))
 
 
-def append_frames(root: Any, outline: Outline, frames: Frames, model: Model | None, start: int = 0) -> None:
+def append_frames(arrays: Arrays, outline: Outline, frames: Frames, model: Model | None, start: int = 0) -> None:
     """Write states, and what loads and motions are then, behind the first ``start`` frames."""
     layout = outline.layout
     times = {"time": ("s", frames.times)}
     for name in layout.fields:
-        group = root.require_group(f"fields/{name}")
-        put(group, times, ("time",), start=start)
+        group = f"fields/{name}"
+        arrays.put(group, times, ("time",), start=start)
         if outline.interval is not None and start == 0:
-            put(group, {outline.interval: ("m", outline.nodes)}, ("node",))
+            arrays.put(group, {outline.interval: ("m", outline.nodes)}, ("node",))
         units = _UNITS[name] if model is not None else {}
         for key, values in states_of_field(layout, name, frames).items():
             turns = key == "value" and name in layout.rotations
             component = {4: "wxyz", 9: "entry"}[layout.representation.rows] if turns else "axis"
-            arrays = {key: (units.get(key), values)}
-            put(group, arrays, ("time", "node", component), along=outline.interval, start=start)
+            own = {key: (units.get(key), values)}
+            arrays.put(group, own, ("time", "node", component), along=outline.interval, start=start)
     if frames.work is not None:
-        put(root, {"work": ("J", frames.work)}, ("time", "cell", "account"), start=start)
-    if frames.rates is not None and (start == 0 or "rates" in root):
-        put(root, {"rates": (None, frames.rates)}, ("time", "node", "component"), start=start)
-    if frames.contact is not None and (start == 0 or "contact" in root):
-        put(root, {"contact": (None, frames.contact)}, ("time", "contact_row"), start=start)
+        arrays.put("", {"work": ("J", frames.work)}, ("time", "cell", "account"), start=start)
+    if frames.rates is not None and (start == 0 or "rates" in arrays.root):
+        arrays.put("", {"rates": (None, frames.rates)}, ("time", "node", "component"), start=start)
+    if frames.contact is not None and (start == 0 or "contact" in arrays.root):
+        arrays.put("", {"contact": (None, frames.contact)}, ("time", "contact_row"), start=start)
     for k, load in enumerate(model.loads if model is not None else ()):
         if isinstance(load, PointLoad | LineLoad) and callable(load.value):
-            group = root.require_group(f"loads/{k}")
             table = np.array([load.at(float(t)) for t in frames.times])
-            put(group, times, ("time",), start=start)
-            put(group, {"value": (load.unit, table)}, ("time", "axis"), start=start)
+            arrays.put(f"loads/{k}", times, ("time",), start=start)
+            arrays.put(f"loads/{k}", {"value": (load.unit, table)}, ("time", "axis"), start=start)
     for name, quantity, joint in driven_functions(model) if model is not None else ():
         unit = "m" if quantity in ("displacement", "position") else "rad"
         motion = {quantity: (unit, joint.motion(quantity, frames.times))}
-        put(root.require_group(f"motions/{name}"), motion, ("time", "axis"), start=start)
-    put(root, {"step": ("1", frames.steps)}, ("time",), start=start)
-    put(root, times, ("time",), start=start)
+        arrays.put(f"motions/{name}", motion, ("time", "axis"), start=start)
+    arrays.put("", {"step": ("1", frames.steps)}, ("time",), start=start)
+    arrays.put("", times, ("time",), start=start)
 
 
-def append_observed(root: Any, outline: Outline, observed: Observations, start: int = 0) -> None:
+def append_observed(arrays: Arrays, outline: Outline, observed: Observations, start: int = 0) -> None:
     """Write what was observed of frames behind the first ``start`` ones."""
     energies = {name: ("J", getattr(observed, key)) for key, name in ENERGIES.items()}
-    put(root, energies, ("time",), start=start)
+    arrays.put("", energies, ("time",), start=start)
     if observed.reactions is not None:
-        put(root, {"reactions": (None, observed.reactions)}, ("time", "joint", "component"), start=start)
+        arrays.put("", {"reactions": (None, observed.reactions)}, ("time", "joint", "component"), start=start)
     if observed.held is not None and observed.supports is not None:
         if start == 0:
-            put(root, {"held": (None, observed.held)}, ("support",))
-        put(root, {"supports": (None, observed.supports)}, ("time", "support", "component"), start=start)
-    own_model = root.attrs["model"] is not None
+            arrays.put("", {"held": (None, observed.held)}, ("support",))
+        arrays.put("", {"supports": (None, observed.supports)}, ("time", "support", "component"), start=start)
+    own_model = arrays.root.attrs["model"] is not None
     for name in outline.layout.fields:
-        group = root[f"fields/{name}"]
         for key, values in observed_of_field(outline, name, observed).items():
-            arrays = {key: (_UNITS[name].get(key) if own_model else None, values)}
-            put(group, arrays, ("time", "node", "axis"), along=outline.interval, start=start)
+            own = {key: (_UNITS[name].get(key) if own_model else None, values)}
+            arrays.put(f"fields/{name}", own, ("time", "node", "axis"), along=outline.interval, start=start)
 
 
 def states_of_field(layout: Layout, name: str, frames: Frames) -> dict[str, np.ndarray]:
@@ -151,40 +147,3 @@ def observed_of_field(outline: Outline, name: str, observed: Observations) -> di
     along = ON_INTERVAL if outline.interval is not None else {}
     names = {"velocity": "velocity"} | along
     return {key: getattr(observed, own)[..., outline.layout.dofs_of(name)] for key, own in names.items()}
-
-
-def put(
-    group: Any,
-    arrays: Mapping[str, tuple[str | None, np.ndarray]],
-    dims: tuple[str, ...],
-    *,
-    along: str | None = None,
-    start: int = 0,
-) -> None:
-    """Write arrays, cut into chunks in time, with a checksum each; behind ``start`` entries, which must be there."""
-    import zarr
-    from zarr.codecs import ZstdCodec
-
-    for name, (unit, values) in arrays.items():
-        if start:
-            with zarr.config.set({"array.write_empty_chunks": True}):  # as below, which the store does not remember
-                array = group[name]
-            array.resize((start + len(values), *array.shape[1:]))
-            array[start:] = values
-            continue
-        attributes = ({"units": unit} if unit else {}) | ({"coordinates": along} if along else {})
-        group.create_array(
-            name,
-            data=np.ascontiguousarray(values),
-            chunks=(chunk_frames(values), *values.shape[1:]),
-            dimension_names=dims,
-            attributes=attributes,
-            compressors=ZstdCodec(level=3, checksum=True),
-            config={"write_empty_chunks": True},  # so that a chunk that is not there is one that was lost
-            overwrite=True,  # what a run that was killed began
-        )
-
-
-def chunk_frames(values: np.ndarray) -> int:
-    """Entries along the first axis that stand in one chunk."""
-    return max(1, CHUNK_BYTES // max(1, values[:1].nbytes))

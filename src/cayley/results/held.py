@@ -31,12 +31,12 @@ def support_forces(system: System, frames: Frames, velocity: np.ndarray, forces:
         return found
     inertia, free = NodeInertia(system, nodes), system.free[nodes].astype(float)
     both, fixed = free[:, :, None] * free[:, None, :], np.eye(system.layout.dofs) * (1.0 - free[:, None, :])
+    masses = np.zeros((*found.shape, found.shape[2]))
     for k, time in enumerate(frames.times):
-        bias, mass = inertia(frames.values[k], velocity[k], float(time))
-        missing = bias - forces[k, nodes]
-        acceleration = -np.linalg.solve(mass * both + fixed, (free * missing)[:, :, None])
-        found[k] = (1.0 - free) * (missing + (mass @ acceleration)[:, :, 0])
-    return found
+        found[k], masses[k] = inertia(frames.values[k], velocity[k], float(time))
+    missing = found - forces[:, nodes]
+    acceleration = -np.linalg.solve(masses * both + fixed, (free * missing)[..., None])
+    return np.asarray((1.0 - free) * (missing + (masses @ acceleration)[..., 0]))
 
 
 __all__ = ["held_nodes", "support_forces"]

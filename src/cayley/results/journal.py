@@ -47,10 +47,14 @@ class Journal:
 
     def add(self, tag: bytes, step: int, arrays: Sequence[np.ndarray], count: int = 0) -> None:
         """Add a record of arrays of doubles, one behind the other."""
-        content = b"".join(np.ascontiguousarray(array, dtype=np.float64).tobytes() for array in arrays)
-        record = memoryview(_HEADER.pack(tag, step, count, len(content), zlib.crc32(content)) + content)
-        while record:
-            record = record[_write(self._file, record) :]
+        parts = [np.ascontiguousarray(array, dtype=np.float64).reshape(-1).view(np.uint8).data for array in arrays]
+        check = 0
+        for part in parts:
+            check = zlib.crc32(part, check)
+        header = _HEADER.pack(tag, step, count, sum(len(part) for part in parts), check)
+        for part in (memoryview(header), *parts):
+            while part:
+                part = part[_write(self._file, part) :]
 
     def close(self, *, remove: bool = False) -> None:
         """Close the file, or remove it."""

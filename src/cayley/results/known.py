@@ -87,7 +87,7 @@ class Known:
 
 
 def whole_state(path: Path, about: Mapping[str, Any], outline: Outline) -> tuple[State, int]:
-    """The last state of all nodes in a store that has frames of some, and the number of frames up to it.
+    """The last state of all nodes from which a run in a store with frames of some goes on, and the frames up to it.
 
     Without a full chunk of frames it is the start, of which no frame is counted.
 
@@ -100,8 +100,15 @@ def whole_state(path: Path, about: Mapping[str, Any], outline: Outline) -> tuple
     size, count, layout = int(about["size"]), committed(root), outline.layout
     origin, h = float(about["origin"]), float(about["dt"])
     if count:
-        group, step = root["checkpoint"], int(root["step"][count - 1])
-        k = int(np.flatnonzero(np.asarray(group["step"][...]) == step)[-1])
+        group, steps = root["checkpoint"], np.asarray(root["step"][:count])
+        rows = np.asarray(group["step"][...])
+        good = np.isin(rows, steps)
+        if "memory" in group:  # a run stopped by hand has a last row without
+            good &= np.isfinite(np.asarray(group["memory"][...])).all(axis=1)
+        if not good.any():
+            raise ValueError(f"{path} has no state to go on from")
+        k = int(np.flatnonzero(good)[-1])
+        step, count = int(rows[k]), int(np.searchsorted(steps, rows[k])) + 1
         more = {name: np.asarray(group[name][k]) for name in ("memory", "work") if name in group}
         values, momenta = (np.asarray(group[name][k]).reshape(size, -1) for name in ("values", "momenta"))
         work = more["work"].reshape(-1, 2) if "work" in more else None
@@ -153,8 +160,9 @@ def _memories(root: Any, steps: np.ndarray) -> dict[int, np.ndarray]:
         group = root["checkpoint"]
         for k, step in enumerate(np.asarray(group["step"][...])):
             frame = int(np.searchsorted(steps, step))
-            if frame < len(steps) and steps[frame] == step and k < group["memory"].shape[0]:
-                found[frame] = np.array(group["memory"][k])
+            row = np.array(group["memory"][k]) if k < group["memory"].shape[0] else np.full(1, np.nan)
+            if frame < len(steps) and steps[frame] == step and np.isfinite(row).all():
+                found[frame] = row
     return found
 
 

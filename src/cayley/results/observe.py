@@ -15,8 +15,11 @@ from cayley.results.multipliers import constraint_forces
 from cayley.results.resultants import resultants, timed_loads
 from cayley.results.springs import spring_energy, spring_forces
 from cayley.system.stability import decay_limit
-from cayley.system.system import State, System, by_node, joined, pack
+from cayley.system.system import State, System, aligned, by_node, joined, pack, put_state
 from cayley.system.turned import as_quaternions, embedded
+
+BATCH_BYTES = 2**21
+"""Of the blocks of frames that are observed together: they stay in a cache."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,24 +100,36 @@ def observe(system: System, frames: Frames) -> Observations:
 
 def _by_kernel(system: System, frames: Frames) -> dict[str, np.ndarray]:
     """What the kernel of one density says, shape (m, nodes, width) each."""
-    rows = system.equations.rows
+    rows, count = system.equations.rows, len(frames.times)
+    widths = {name: (own.stop - own.start) // rows.cell for name, own in rows.observed.items()}
+    part = {name: np.empty((count, system.size, width)) for name, width in widths.items()}
+    blank = pack(system, State(values=system.reference, momenta=np.zeros((system.size, system.layout.dofs))))
+    batch = max(1, BATCH_BYTES // blank.nbytes)
+    for first in range(0, count, batch):
+        some = slice(first, min(first + batch, count))
+        seen = _blocks(system, frames.part(some), blank)
+        for name, own in rows.observed.items():
+            part[name][some] = by_node(system, seen, own)
+    return part
+
+
+def _blocks(system: System, frames: Frames, blank: np.ndarray) -> np.ndarray:
+    """Blocks of some frames after the kernel, shape (m, blocks, rows, lanes), from one with constants but no state."""
     kernel = system.kernels["observe"]
     predict = system.kernels["predict"] if system.equations.forced else None
     uniforms = np.zeros(kernel.width)  # its inputs, and room behind them
     uniforms[: len(system.uniforms)] = system.uniforms
-    widths = {name: (own.stop - own.start) // rows.cell for name, own in rows.observed.items()}
-    part = {name: np.empty((len(frames.times), system.size, width)) for name, width in widths.items()}
+    data, end = aligned((len(frames.times), *blank.shape)), len(blank) - 1
+    data[:] = blank
     for k, time in enumerate(frames.times):
-        data = pack(system, frames.state(k))
+        put_state(system, data[k], frames.state(k))
         uniforms[1] = uniforms[2] = time
         if predict is not None:  # with a step of 0 the velocities are those of the frame
             asked = np.zeros(predict.width)
             asked[: len(system.uniforms)] = uniforms[: len(system.uniforms)]
-            predict(data, asked, 1, data.shape[0] - 1)
-        kernel(data, uniforms, 1, data.shape[0] - 1)
-        for name, own in rows.observed.items():
-            part[name][k] = by_node(system, data[1:-1], own)
-    return part
+            predict(data[k], asked, 1, end)
+        kernel(data[k], uniforms, 1, end)
+    return data[:, 1:-1]
 
 
 def _interpolated(

@@ -49,8 +49,8 @@ from cayley.results.append import (
     check_replaceable,
     observed_of_field,
     plain,
-    put,
 )
+from cayley.results.arrays import Arrays, chunk_frames
 from cayley.results.known import Known, observed
 from cayley.results.observe import Observations
 from cayley.results.outline import Outline
@@ -145,11 +145,13 @@ def _write(run: Trajectory, path: Path) -> None:
 
     about = about_run(run.outline, run.spans, run.model, run.frames.h, run.frames.origin) | {"info": plain(run.info)}
     root = zarr.create_group(path, zarr_format=3, attributes=about)
-    put(root, {"nodes": ("m", run.outline.nodes)}, ("node",))
-    append_frames(root, run.outline, run.frames, run.model)
-    append_observed(root, run.outline, run.observed)
+    arrays = Arrays(root, chunk_frames(run.outline.layout, len(run.outline.nodes), len(run.time)))
+    arrays.put("", {"nodes": ("m", run.outline.nodes)}, ("node",))
+    append_frames(arrays, run.outline, run.frames, run.model)
+    append_observed(arrays, run.outline, run.observed)
     if run.frames.memory is not None:
-        put(root, {"memory": (None, run.frames.memory)}, ("node", "control", "row")[: run.frames.memory.ndim])
+        memory = run.frames.memory
+        arrays.put("", {"memory": (None, memory)}, ("node", "control", "row")[: memory.ndim])
 
 
 def outline_of(root: Any, about: Mapping[str, Any]) -> Outline:
@@ -163,8 +165,8 @@ def outline_of(root: Any, about: Mapping[str, Any]) -> Outline:
 def _observed(
     root: Any, outline: Outline, count: int, damage: str, recomputable: bool
 ) -> tuple[Observations | None, str]:
-    """What was observed, or nothing where that is not there or damaged but can be observed again; and the damage."""
-    if observed(root) < count and recomputable:
+    """What was observed, or nothing where it is not there yet or damaged but can be observed again; and the damage."""
+    if observed(root) < count:
         return None, damage
     try:
         return _read_observed(root, outline, count), damage

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cayley import extension
-from cayley.discrete.rules import by_name
-from cayley.lie import quaternion
-from cayley.model import Body, LagrangianPart, Model, PointMass
+from cayley.model import Model
 from cayley.model.notebook import html_table
-from cayley.results.forces_record import Unstored
 from cayley.results.frames import Frames
 from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
+from cayley.results.parts import part_dataset, saved_spans
 from cayley.results.residual import residual_speed
 from cayley.system.discretize import discretize
 from cayley.system.system import State, System
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from cayley.report.plots import Plots
-
-AXES = ["x", "y", "z"]
 
 
 class Trajectory:
@@ -70,7 +66,7 @@ class Trajectory:
         self.late: Frames | None = None  # and those of the journal with all nodes: where only some are saved
         self.info = dict(info)
         self.only, self.spans = only, dict(parts or {})
-        self._parts = self.spans if only is None else _saved(self.spans, only)
+        self._parts = self.spans if only is None else saved_spans(self.spans, only)
         for name, given in (("system", system), ("outline", outline), ("observed", observed)):
             if given is not None:
                 self.__dict__[name] = given  # where the cached property of that name would put it
@@ -82,22 +78,9 @@ class Trajectory:
         Raises:
             ValueError: for an opened run with a Lagrangian of your own, whose function is not in the store.
         """
-        if self.model is None:
-            raise ValueError(
-                "the function of a Lagrangian is not kept in a store, so an opened run of one has no system; compile "
-                "it again, and go on with cy.integrate(system, run.state, t_end=...)"
-            )
-        for part in self.model.own_parts:
-            if isinstance(part.lagrangian.function, Unstored):
-                raise ValueError(
-                    f"the Lagrangian {part.lagrangian.name} of {part.label} is not in the store, only its name; open "
-                    "the run with model=... to give it again"
-                )
-        rotation, rule, work = self.outline.layout.representation.name, by_name(self.rule), self.frames.work
-        tied = bool(self.model.connections or self.model.springs)
-        # explicit steps with ties account for these in one column, for loads in more, on request
-        account = work is not None and (rule.implicit or not tied or work.shape[1] > 1)
-        return discretize(self.model, rule, rotation=rotation, account=account)
+        from cayley.results.reopened import system_of
+
+        return system_of(self)
 
     @functools.cached_property
     def outline(self) -> Outline:
@@ -165,17 +148,7 @@ class Trajectory:
 
     def __getitem__(self, part: Any) -> "xr.Dataset":
         """Fields of one rod or body, given itself or by name."""
-        from cayley.results.body import body_dataset, own_dataset
-        from cayley.results.rod import rod_dataset
-
-        name = self._name_of(part)
-        nodes = self._parts[name]
-        own = self._part(name)
-        if isinstance(own, LagrangianPart):
-            return own_dataset(self, nodes, name)
-        if isinstance(own, Body | PointMass):
-            return body_dataset(self, nodes.start, name)
-        return rod_dataset(self, nodes, name)
+        return part_dataset(self, part)
 
     def port(self, part: Any, name: str | None = None) -> "xr.Dataset":
         """Motion of a port: position, rotation of its frame, velocity, angular velocity about its axes.
@@ -232,7 +205,7 @@ class Trajectory:
         return made
 
     def animate(self, path: str | Path, **options: Any) -> Path:
-        """Write a film of the run: a .gif, or an .mp4 where the program ffmpeg is installed.
+        """Write a film of the run: a .gif, or an .mp4 by the program ffmpeg, which the extra "film" has.
 
         Args:
             path: of the film; an old one is replaced.
@@ -329,44 +302,23 @@ class Trajectory:
     @property
     def linear_momentum(self) -> "xr.DataArray":
         """Linear momentum, Σ μ_x [kg m/s], dims (time, axis)."""
-        self._want_all()
-        total = sum((self._momenta(name).sum(axis=1) for name in self._vectors()), start=np.zeros((len(self.time), 3)))
-        return self._series(total, "linear momentum", "kg m/s")
+        from cayley.results.totals import linear_momentum
+
+        return self._series(linear_momentum(self), "linear momentum", "kg m/s")
 
     @property
     def angular_momentum(self) -> "xr.DataArray":
         """Angular momentum about the origin, Σ x × μ_x + Λ(p) μ_p [kg m²/s], dims (time, axis)."""
-        self._want_all()
-        total = np.zeros((len(self.time), 3))
-        for name in self._vectors():
-            total += np.cross(self._values(name), self._momenta(name)).sum(axis=1)
-        for name in self.outline.layout.rotations:
-            total += np.asarray(quaternion.rotate(self._rotation(name), self._momenta(name)), dtype=float).sum(axis=1)
-        return self._series(total, "angular momentum", "kg m^2/s")
+        from cayley.results.totals import angular_momentum
+
+        return self._series(angular_momentum(self), "angular momentum", "kg m^2/s")
 
     @functools.cached_property
     def data(self) -> "xr.Dataset":
         """Values, velocities (NAME_t) and momenta (NAME_momentum) of all fields."""
-        import xarray as xr
+        from cayley.results.totals import all_fields
 
-        layout, interval = self.outline.layout, self.outline.interval
-        place = () if interval is None else ("node",)
-        fields: dict[str, Any] = {}
-        for name in layout.fields:
-            turns = name in layout.rotations
-            width = self._values(name).shape[-1]
-            own = "axis" if width == 3 else f"{name}_component"
-            value = self._rotation(name) if turns else self._values(name)
-            fields[name] = (("time", *place, "wxyz" if turns else own), self._squeeze(value))
-            rate = self.observed.velocity[..., layout.dofs_of(name)]
-            own = "axis" if turns or width == 3 else f"{name}_component"
-            fields[f"{name}_t"] = (("time", *place, own), self._squeeze(rate))
-            fields[f"{name}_momentum"] = (("time", *place, own), self._squeeze(self._momenta(name)))
-        coordinates: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
-        if interval is not None:
-            coordinates[interval] = ("node", self.outline.nodes, {"units": "m"})
-        data = xr.Dataset(fields, coordinates)
-        return data.assign_coords({d: c for d, c in (("axis", AXES), ("wxyz", list("wxyz"))) if d in data.dims})
+        return all_fields(self)
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the run to a Zarr store, a directory, to be opened with Trajectory.open.
@@ -439,28 +391,14 @@ class Trajectory:
         return found
 
     def _account(self, column: int) -> np.ndarray:
-        """Work (0) or loss (1) since the first frame, shape (m,)."""
-        if self.frames.work is None:
-            raise ValueError(
-                "this run kept no account of work: there are no forces beside the Lagrangian, and with balance=True a "
-                "run keeps it for loads alone"
-            )
-        total: np.ndarray = self.frames.work[..., column].sum(axis=-1)
-        return total - total[0]
+        from cayley.results.totals import account
+
+        return account(self, column)
 
     def _series(self, values: np.ndarray, long_name: str, units: str) -> "xr.DataArray":
-        coordinates: dict[str, Any] = {"time": ("time", self.time, {"units": "s"})}
-        dims: tuple[str, ...] = ("time",)
-        if values.ndim == 2:
-            dims, coordinates["axis"] = ("time", "axis"), AXES
-        from cayley.results.series import Series  # xarray is slow to import: only when results are looked at
+        from cayley.results.totals import series  # xarray is slow to import: only when results are looked at
 
-        attributes = {"long_name": long_name, "units": units}
-        return Series(values, coordinates, dims, name=long_name.replace(" ", "_"), attrs=attributes)
-
-    def _want_all(self) -> None:
-        if self.only is not None:
-            raise ValueError("momenta are sums over all nodes, and this run saved some of them only (save_only)")
+        return series(self, values, long_name, units)
 
     def _name_of(self, part: Any) -> str:
         """Name of a part, given itself or by name.
@@ -491,18 +429,5 @@ class Trajectory:
     def _rotation(self, name: str) -> np.ndarray:
         return self.outline.layout.representation.to_quaternion(self._values(name))
 
-    def _squeeze(self, values: np.ndarray) -> np.ndarray:
-        return values[:, 0] if self.outline.interval is None else values
 
-
-def _saved(parts: Mapping[str, slice], only: np.ndarray) -> dict[str, slice]:
-    """Nodes of the parts all of whose nodes were saved, among those that were."""
-    found = {}
-    for name, nodes in parts.items():
-        first = int(np.searchsorted(only, nodes.start))
-        if np.array_equal(only[first : first + nodes.stop - nodes.start], np.arange(nodes.start, nodes.stop)):
-            found[name] = slice(first, first + nodes.stop - nodes.start)
-    return found
-
-
-__all__ = ["AXES", "Trajectory"]
+__all__ = ["Trajectory"]

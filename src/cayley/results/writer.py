@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from cayley.model import Model
-from cayley.results.append import append_frames, append_observed, check_replaceable, chunk_frames, plain, put
+from cayley.results.append import append_frames, append_observed, check_replaceable, plain
+from cayley.results.arrays import Arrays, chunk_frames
 from cayley.results.frames import Frames
 from cayley.results.journal import FRAMES, MEMORY, Journal, remove_journals
 from cayley.results.known import committed, observed
@@ -22,8 +23,6 @@ from cayley.system.system import System
 
 WAITING = 2
 """Chunks of frames that may wait to be written; a run that is quicker than the disk waits, too."""
-BATCH = 256
-"""Frames that are observed together when a run ends."""
 
 
 class WriteError(OSError):
@@ -64,9 +63,10 @@ class Writer:
         self.system, self.only = system, None if only is None else np.asarray(only)
         self.root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
         self.done = committed(self.root)
-        rows = [outline.layout.rows_of(name) for name in outline.layout.fields]
-        self.chunk = chunk_frames(np.zeros((1, len(outline.nodes), max(own.stop - own.start for own in rows))))
+        self.chunk = _chunk(self.root, outline)
+        self._arrays = Arrays(self.root, self.chunk)
         self._taken = self.done
+        self._first = self.done == 0  # call, to be handed over alone: the arrays are made while the run goes on
         self._pending: list[tuple[np.ndarray | None, ...]] = []
         self._memory: np.ndarray | None = None
         self._failed: Exception | None = None
@@ -109,7 +109,8 @@ class Writer:
         self._pending.append((steps, values, momenta, work, rates, contact))
         self._memory = memory
         self._taken += len(steps)
-        if self._taken % self.chunk == 0:
+        if self._taken % self.chunk == 0 or (self._first and len(self._pending) > 1):
+            self._first = False
             self._hand_over()
             self._journal = Journal(self.path, self._journal.number + 1)
 
@@ -166,27 +167,54 @@ class Writer:
             contact=np.concatenate(contact) if contact else None,
         )
         known = frames if self.only is None else frames.at_nodes(self.only)
-        append_frames(self.root, self.outline.at_nodes(self.only), known, self.model, self.done)
+        append_frames(self._arrays, self.outline.at_nodes(self.only), known, self.model, self.done)
         if self.only is not None:
             seen = observe(self.system, frames).at_nodes(self.only)
-            append_observed(self.root, self.outline.at_nodes(self.only), seen, self.done)
+            append_observed(self._arrays, self.outline.at_nodes(self.only), seen, self.done)
         group, found = self.root["checkpoint"], {} if memory is None else {"memory": memory}
         if self.only is not None:  # frames do not have all that it takes to go on
             found |= {"values": values[-1], "momenta": momenta[-1]}
             found |= {} if frames.work is None else {"work": frames.work[-1]}
-        if found:
-            start = group["step"].shape[0] if "step" in group else 0
-            for name, numbers in found.items():
-                put(group, {name: (None, numbers.reshape(1, -1))}, ("checkpoint", f"{name}_row"), start=start)
-            put(group, {"step": ("1", steps[-1:])}, ("checkpoint",), start=start)
+        self._add_checkpoint(int(steps[-1]), found)
         self.done += len(steps)
         group.attrs.update({"frames": self.done} | ({} if self.only is None else {"observed": self.done}))
 
+    def _add_checkpoint(self, step: int, found: dict[str, np.ndarray]) -> None:
+        """Write what it takes to go on from a step; what is not known of one, such as its memory, is not a number."""
+        if not found:
+            return
+        group = self.root["checkpoint"]
+        start = group["step"].shape[0] if "step" in group else 0
+        if start and "memory" in group and "memory" not in found:
+            found = found | {"memory": np.full(group["memory"].shape[1], np.nan)}
+        for name, numbers in found.items():
+            row, known = numbers.reshape(1, -1), start
+            if start and name not in group:
+                row, known = np.concatenate([np.full((start, row.shape[1]), np.nan), row]), 0
+            self._arrays.put("checkpoint", {name: (None, row)}, ("checkpoint", f"{name}_row"), start=known)
+        self._arrays.put("checkpoint", {"step": ("1", np.array([step]))}, ("checkpoint",), start=start)
+
 
 def begin_store(
-    path: Path, outline: Outline, about: Mapping[str, Any], info: Mapping[str, Any], *, overwrite: bool = False
+    path: Path,
+    outline: Outline,
+    about: Mapping[str, Any],
+    info: Mapping[str, Any],
+    *,
+    expected: int,
+    only: Sequence[int] | None = None,
+    overwrite: bool = False,
 ) -> None:
     """Make a store without frames.
+
+    Args:
+        path: of the store.
+        outline: of the system.
+        about: attributes, see about_run.
+        info: facts of the run.
+        expected: number of frames that are to come.
+        only: nodes whose frames are kept; all without it.
+        overwrite: replace a run that is there.
 
     Raises:
         FileExistsError: if something is there; with overwrite, something that is no run.
@@ -200,8 +228,9 @@ def begin_store(
         shutil.rmtree(old, ignore_errors=True)
     path.parent.mkdir(parents=True, exist_ok=True)
     root = zarr.create_group(path, zarr_format=3, attributes=dict(about) | {"info": plain(info)})
-    put(root, {"nodes": ("m", outline.nodes)}, ("node",))
-    root.create_group("checkpoint", attributes={"frames": 0, "observed": 0})
+    Arrays(root, 1).put("", {"nodes": ("m", outline.at_nodes(only).nodes)}, ("node",))
+    chunk = chunk_frames(outline.layout, len(outline.nodes), expected)
+    root.create_group("checkpoint", attributes={"frames": 0, "observed": 0, "chunk": chunk})
 
 
 def add_info(path: Path, info: Mapping[str, Any]) -> None:
@@ -221,19 +250,21 @@ def rewind(path: Path, frames: Frames, outline: Outline, model: Model | None, co
         root.create_group("checkpoint", attributes={"frames": committed(root), "observed": committed(root)})
     group, known = root["checkpoint"], committed(root)
     if count > known:
-        append_frames(root, outline, frames.part(slice(known, count)), model, known)
+        append_frames(Arrays(root, _chunk(root, outline)), outline, frames.part(slice(known, count)), model, known)
     group.attrs["frames"] = count
     group.attrs["observed"] = min(count, int(group.attrs["observed"]))
 
 
 def finish(path: Path, system: System, outline: Outline, info: Mapping[str, Any]) -> None:
-    """Observe the frames of which nothing was observed yet, some at a time, and write facts of the run."""
+    """Observe the frames of which nothing was observed yet, a chunk at a time, and write facts of the run."""
     import zarr
 
     root: Any = zarr.open_group(path, mode="r+", use_consolidated=False)
-    layout, group = outline.layout, root["checkpoint"]
-    for first in range(observed(root), committed(root), BATCH):
-        some = slice(first, min(first + BATCH, committed(root)))
+    layout, group, known = outline.layout, root["checkpoint"], committed(root)
+    chunk, first = _chunk(root, outline), observed(root)
+    arrays = Arrays(root, chunk)
+    while first < known:
+        some = slice(first, min((first // chunk + 1) * chunk, known))
         frames = Frames(
             times=np.asarray(root["time"][some]),
             steps=np.asarray(root["step"][some]),
@@ -245,11 +276,17 @@ def finish(path: Path, system: System, outline: Outline, info: Mapping[str, Any]
             rates=np.asarray(root["rates"][some]) if "rates" in root else None,
             contact=np.asarray(root["contact"][some]) if "contact" in root else None,
         )
-        append_observed(root, outline, observe(system, frames), first)
-        group.attrs["observed"] = some.stop
+        append_observed(arrays, outline, observe(system, frames), first)
+        group.attrs["observed"] = first = some.stop
     before = dict(root.attrs["info"])
     spent = {"wall_time": float(before.get("wall_time", 0.0)) + float(info["wall_time"])}
     root.attrs["info"] = plain(before | dict(info) | spent)
+
+
+def _chunk(root: Any, outline: Outline) -> int:
+    """Frames after which chunks end; in a store that was not written by a Writer, as many as one would have taken."""
+    group, known = root["checkpoint"], committed(root)
+    return int(group.attrs.get("chunk", chunk_frames(outline.layout, len(outline.nodes), known)))
 
 
 def _fields(root: Any, layout: Any, key: str, width: int, some: slice) -> np.ndarray:

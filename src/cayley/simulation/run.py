@@ -1,5 +1,6 @@
 """The run from one save to the next: its step, the frames it leaves, and where it stops."""
 
+import contextlib
 import functools
 import logging
 import math
@@ -87,44 +88,67 @@ def run(
     begin = state.at_step(plan.h)
     stepper_of(system).prepare(system)
     info: dict[str, Any] = {"t_end": t_end, **saves.info()}
-    store = None
-    if saves.store is not None:
-        outline = Outline.of(system)
-        if not resumed:
-            about = about_run(outline, parts or {}, model, begin.h, begin.origin, saves.only)
-            begin_store(
-                saves.store, outline.at_nodes(saves.only), about, {"wall_time": 0.0, **info}, overwrite=saves.overwrite
-            )
-        store = Writer(saves.store, system, model, begin.h, begin.origin, only=saves.only)
+    store = None if saves.store is None else _writer(system, begin, plan, saves, info, model, parts, resumed=resumed)
     known = resumed and (store is None or store.done > 0)
     record = Record(begin, store, known=known, contact=None if known else at_start(system, begin.values, begin.h))
     facts = {"rule": str(system.equations.rule), "dt": begin.h, "nodes": system.size, "store": str(saves.store or "")}
     _log.info(
         "run of %s: %d steps of %.3g s from t = %.6g s", name_of(system), plan.steps, plan.h, begin.time, extra=facts
     )
-    started, result, stopped = clock.perf_counter(), Result(Outcome.FINISHED, begin, begin.step), False
-    try:
-        moving = None if calm is None else _Moving(calm, system, model, parts or {})
+    started, result = clock.perf_counter(), None
+    moving = None if calm is None else _Moving(calm, system, model, parts or {})
+    with contextlib.suppress(KeyboardInterrupt):
         result = _through(plan, system, begin, record, progress, watch, moving)
-    except KeyboardInterrupt:
-        stopped = True
     if store is not None:
         record.close()
     info = {"wall_time": clock.perf_counter() - started, **info}
-    if store is None:
-        frames = record.frames(None if stopped else result.state.memory)
-        trajectory = Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
-    else:
-        finish(store.path, system, store.outline, info)
-        trajectory = Trajectory.open(store.path, model=model)
-        trajectory.__dict__["system"] = system  # compiled already
-    ended = "stopped by hand" if stopped else result.outcome.name.lower()
+    trajectory = _trajectory(system, record, result, info, model, parts)
+    ended = "stopped by hand" if result is None else result.outcome.name.lower()
     _log.info("%s after %.3g s, t = %.6g s", ended, info["wall_time"], trajectory.time[-1], extra=facts)
-    if stopped:
+    if result is None:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
         too_fast = result.outcome is Outcome.FAST
         raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=too_fast)
+    return trajectory
+
+
+def _writer(
+    system: System,
+    begin: State,
+    plan: Schedule,
+    saves: Saves,
+    info: Mapping[str, Any],
+    model: Model | None,
+    parts: Mapping[str, slice] | None,
+    *,
+    resumed: bool,
+) -> Writer:
+    """What writes into the store of a run, which is made if the run is not resumed."""
+    assert saves.store is not None
+    if not resumed:
+        outline = Outline.of(system)
+        about = about_run(outline, parts or {}, model, begin.h, begin.origin, saves.only)
+        options: dict[str, Any] = {"expected": plan.frames, "only": saves.only, "overwrite": saves.overwrite}
+        begin_store(saves.store, outline, about, {"wall_time": 0.0, **info}, **options)
+    return Writer(saves.store, system, model, begin.h, begin.origin, only=saves.only)
+
+
+def _trajectory(
+    system: System,
+    record: Record,
+    result: Result | None,
+    info: Mapping[str, Any],
+    model: Model | None,
+    parts: Mapping[str, slice] | None,
+) -> Trajectory:
+    """What a run left, in memory or in its store; the result is None if it was stopped by hand."""
+    if record.writer is None:
+        frames = record.frames(None if result is None else result.state.memory)
+        return Trajectory(system=system, frames=frames, info=info, model=model, parts=parts)
+    finish(record.writer.path, system, record.writer.outline, info)
+    trajectory = Trajectory.open(record.writer.path, model=model)
+    trajectory.__dict__["system"] = system  # compiled already
     return trajectory
 
 

@@ -252,7 +252,7 @@ def _advance(
     arrays = {
         "slot": explicit.slot,
         "contact_slot": explicit.touching,
-        "contact_values": with_ground(system.layout, state.values),
+        "contact_values": with_ground(system.layout, state.values) if contacts else np.zeros(1),
         "contact_told": told,
         "contact_force": force,
         "given": given,

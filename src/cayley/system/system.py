@@ -274,22 +274,28 @@ def pack(system: System, state: State) -> np.ndarray:
     rows, layout, lanes = system.equations.rows, system.layout, system.kernels.lanes
     data = aligned((-(-system.cells // lanes) + 2, rows.count, lanes))
     data[:] = 0.0
-    data[:, rows.values] = np.tile(state.values[-1], rows.cell)[None, :, None]  # padding: a node at rest, no element
     for name, row in rows.named.items():  # constants of a node that there is: arbitrary ones may make no inertia
         constant = name.startswith("c.")
         data[:, row] = 0.0 if name == "length" else system.named[name][-1] if constant else 1.0
     data[:, rows.held] = 1.0
-    _scatter_nodes(system, data, rows.values, state.values, state.values[-1])
-    _scatter_nodes(system, data, rows.momenta, state.momenta, np.zeros(layout.dofs))
+    put_state(system, data, state)
     _scatter_nodes(system, data, rows.held, system.free.astype(float), np.ones(layout.dofs))
-    if rows.forced and state.work is not None:
-        scatter(data, rows.forced["account"], state.work)
     first = np.flatnonzero(system.slots % rows.cell == 0)
     for name, row in rows.named.items():
         value = np.asarray(system.named[name])
         value = np.add.reduceat(value, first) if name == "length" else value[first]
         scatter(data, slice(row, row + 1), value[:, None])
     return data
+
+
+def put_state(system: System, data: np.ndarray, state: State) -> None:
+    """Write a state into blocks that have the constants of the nodes."""
+    rows = system.equations.rows
+    data[:, rows.values] = np.tile(state.values[-1], rows.cell)[None, :, None]  # padding: a node at rest, no element
+    _scatter_nodes(system, data, rows.values, state.values, state.values[-1])
+    _scatter_nodes(system, data, rows.momenta, state.momenta, np.zeros(system.layout.dofs))
+    if rows.forced and state.work is not None:
+        scatter(data, rows.forced["account"], state.work)
 
 
 def _scatter_nodes(system: System, data: np.ndarray, rows: slice, values: np.ndarray, rest: np.ndarray) -> None:

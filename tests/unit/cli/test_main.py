@@ -8,6 +8,7 @@ import urllib.request
 from http.server import ThreadingHTTPServer
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 import cayley
@@ -92,6 +93,13 @@ def test_a_report_and_a_view_of_a_run_that_is_there(call, small, tmp_path, monke
 def test_nothing_to_look_at(call, command):
     result = call(command, "nowhere")
     assert (result.exit_code, result.stderr) == (2, "there is no run at nowhere/run.zarr\n")
+
+
+@pytest.mark.parametrize("command", sorted(get_command(app).commands))
+def test_help_has_an_example(call, command):
+    """The example begins with the command, or ends with it, after what it needs; and all is one paragraph."""
+    shown = " ".join(call(command, "--help").stdout.split())
+    assert re.search(rf"Example: (cayley new \w+ --template \w+; )?cayley {command}\b", shown)
 
 
 def test_help_loads_nothing_heavy():

@@ -1,7 +1,8 @@
 """Films."""
 
+import sys
+
 import pytest
-from matplotlib import animation
 from PIL import Image
 
 
@@ -13,9 +14,19 @@ def test_gif(crane, tmp_path):
         assert film.info["duration"] == 250
 
 
+def test_mp4(crane, tmp_path):
+    """The program is that of the extra "film", and reads what it wrote: a second at eight pictures a second."""
+    program = pytest.importorskip("imageio_ffmpeg", reason='the extra "film" is not installed')
+    path = crane.animate(tmp_path / "crane.mp4", speed=1.0, fps=8)
+    frames, seconds = program.count_frames_and_secs(str(path))
+    assert frames == 9
+    assert seconds == pytest.approx(9 / 8, abs=0.01)
+
+
 def test_mp4_without_ffmpeg(crane, tmp_path, monkeypatch):
-    monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    with pytest.raises(RuntimeError, match="needs the program ffmpeg"):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(RuntimeError, match=r"needs the program ffmpeg.*pip install 'cayley\[film\]'.*give a \.gif"):
         crane.animate(tmp_path / "crane.mp4")
 
 

@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
 
-from cayley import Trajectory, modes
+import cayley as cy
+from cayley import modes
 from cayley.model import Box, Material, Model, Rod, Section, supports
 from cayley.report import write_modes, write_report
 from cayley.report.player import page as player_page
@@ -19,7 +20,7 @@ from unit.report.growing import first_frames, serving
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 if CHROMIUM is None:
-    pytest.skip("no chromium on this machine", allow_module_level=True)
+    pytest.skip("the player is not clicked through: no chromium here (apt install chromium)", allow_module_level=True)
 playwright = pytest.importorskip("playwright.sync_api", reason="the driver playwright is not installed")
 
 SOFTWARE = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # WebGL without a graphics card
@@ -215,13 +216,18 @@ def test_without_webgl_there_are_the_plots(show, report):
     assert clock(page) == pytest.approx(0.5, abs=0.01)
 
 
-def test_a_run_without_parts(show, crane, tmp_path):
-    """A Lagrangian of one's own has graphs."""
-    own = Trajectory(frames=crane.frames, info=crane.info, outline=crane.outline, observed=crane.observed)
-    page = show(write_report(own, tmp_path / "own.html").as_uri())
-    assert page.locator("#graphs .plot").count() == 4
-    assert page.locator("#picture").is_hidden()
-    assert page.locator("#along").is_hidden()
+@pytest.mark.parametrize(("size", "seen"), [(2, False), (3, True)])
+def test_a_lagrangian_of_ones_own(show, tmp_path, size, seen):
+    """Vectors of three have a picture; others are plotted beside energy and momenta."""
+
+    @cy.lagrangian(u=cy.Vector(size))
+    def swing(q, c):
+        return 0.5 * cy.dot(q.u_t, q.u_t) - 0.5 * cy.dot(q.u, q.u)
+
+    run = cy.integrate(cy.compile(swing, rule=cy.rules.verlet), {"u": np.eye(size)[0]}, t_end=1.0, dt=0.1)
+    page = show(write_report(run, tmp_path / "own.html").as_uri())
+    assert page.locator("#picture").is_visible() == seen
+    assert page.locator("#graphs .plot").count() == (3 if seen else 4)
 
 
 def test_scenes(show, tmp_path):

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+import cayley as cy
+from cayley import joints, springs
 from cayley.lie import quaternion
-from cayley.model import Body, Material, Model, Rod, Section, loads
-from cayley.report import stage
+from cayley.model import Body, Material, Model, Rod, Section, loads, supports
+from cayley.report import stage, write_report
 from cayley.report.scene import Block, Graph, Scene
 from cayley.report.stage import node_outlines, scene, upward
 
@@ -55,6 +57,77 @@ def test_the_box_of_a_body_is_turned_as_its_inertia():
     turned = np.stack([quaternion.rotate(block.turn, e) for e in np.eye(3)], axis=1)
     assert_allclose(np.abs(np.sum(turned * axes, axis=0)), 1.0, atol=1e-12)
     assert_array_equal(block.sides, sides)
+
+
+def test_fields_of_a_lagrangian_of_ones_own_stand_in_space():
+    """Vectors of three are points with the rotations as their frames, other fields are plotted."""
+
+    @cy.lagrangian(a=cy.Vector(3), b=cy.Vector(3), p=cy.Rotation(), u=cy.Vector(2))
+    def pieces(q, c):
+        return 0.5 * sum(cy.dot(v, v) for v in (q.a_t, q.b_t, q.p_t, q.u_t))
+
+    system = cy.compile(pieces, rule=cy.rules.verlet)
+    start = {"a": (1, 0, 0), "a_t": (0, 2, 0), "b": (0, 1, 0), "u": (0.5, 0.25), "u_t": (1, 0), "p_t": (0, 0, 3)}
+    run = cy.integrate(system, start, t_end=1.0, dt=0.1, save_every=0.1)
+    shown = scene(run)
+    first, second = shown.parts
+    assert (first.name, second.name) == ("a, p", "b")
+    assert_allclose(first.position[-1, 0], [1, 2, 0], atol=1e-12)
+    assert_array_equal(first.rotation[:, 0], run.data.p.values)
+    assert_allclose(first.quantities["spin"].values, 3.0)
+    assert_allclose(second.position[:, 0], [[0, 1, 0]] * 11, atol=1e-15)
+    plotted = next(graph for graph in shown.graphs if graph.title == "Field u")
+    assert plotted.names == ("u_1", "u_2")
+    assert_allclose(plotted.values[-1], [1.5, 0.25])
+
+
+def test_fields_on_an_interval():
+    """A curve, a rotation without a place along e3, and a number at both ends and in the middle."""
+
+    @cy.lagrangian(w=cy.Vector(3), s=cy.Interval)
+    def thread(q, c):
+        return 0.5 * cy.dot(q.w_t, q.w_t) - 0.5 * cy.dot(q.w_s, q.w_s)
+
+    @cy.lagrangian(p=cy.Rotation(), u=cy.Vector(1), s=cy.Interval)
+    def bar(q, c):
+        return 0.5 * cy.dot(q.p_t, q.p_t) - 0.5 * cy.dot(q.p_s, q.p_s) + 0.5 * q.u_t[0] ** 2 - 0.5 * q.u_s[0] ** 2
+
+    domain, rule = cy.Interval(1.0, 3.0, elements=4), cy.rules.verlet
+    nodes = np.linspace(1.0, 3.0, 5)
+    run = cy.integrate(cy.compile(thread, rule=rule, domain=domain), {"w": np.outer(nodes, [0, 2, 0])}, t_end=0.1)
+    (curve,) = scene(run).parts
+    assert_array_equal(curve.position, run.data.w.values)
+    assert_allclose(curve.s, nodes - 1.0)
+    run = cy.integrate(cy.compile(bar, rule=rule, domain=domain), {"u": nodes[:, None] ** 2}, t_end=0.1)
+    shown = scene(run)
+    assert_allclose(shown.parts[0].position[0], np.outer(nodes, [0, 0, 1]))
+    assert shown.graphs[1].names == ("u at s = 1", "u at s = 2", "u at s = 3")
+    assert_array_equal(shown.graphs[1].values, run.data.u.values[:, [0, 2, 4], 0])
+
+
+def test_only_what_was_saved_is_shown(tmp_path):
+    section = Section.circle(0.02, RUBBER)
+    mast = Rod(section, length=1.0, elements=4, name="mast")
+    boom = Rod(section, length=1.0, elements=4, origin=(0, 0, 1), direction=(1, 0, 0), name="boom")
+    model = Model(
+        mast,
+        boom,
+        supports=[supports.clamp(mast.start)],
+        joints=[joints.ball(mast.end, boom.start)],
+        springs=[springs.linear(boom.node(2), mast.node(2), stiffness=60.0)],
+    )
+    options = {"t_end": 0.01, "store": tmp_path / "run.zarr", "save_only": [boom, mast.node(2)]}
+    run = cy.simulate(model, save_every=5e-3, **options)
+    shown = scene(run)
+    assert [part.name for part in shown.parts] == ["boom", "mast.node(2)"]
+    assert [(mark.kind, mark.place.part, mark.place.node) for mark in shown.marks] == [("joint", 0, 0)]
+    assert not shown.links
+    assert [graph.title for graph in shown.graphs] == ["Energy"]
+    assert_array_equal(shown.parts[1].position[:, 0], run.port(mast.node(2)).position.values)
+    text = write_report(run, tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "What was not saved (save_only) is not shown." in text
+    assert "Stress resultants of boom over the time." in text
+    assert "of mast over" not in text
 
 
 class _Series:

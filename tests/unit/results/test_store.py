@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 import cayley as cy
-from cayley.results import append
+from cayley.results import append, arrays
 from cayley.results.trajectory import Trajectory
 
 
@@ -162,11 +162,12 @@ def test_format_is_stated(rods: tuple[Trajectory, Path]) -> None:
 def test_frames_are_chunked_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import zarr
 
-    monkeypatch.setattr(append, "CHUNK_BYTES", 1000)
+    monkeypatch.setattr(arrays, "CHUNK_BYTES", 1000)
     run = integrated("string")
     run.save(tmp_path / "run.zarr")
-    array = zarr.open_group(tmp_path / "run.zarr", mode="r", use_consolidated=False)["fields/x/value"]
-    assert array.chunks == (1000 // (6 * 3 * 8), 6, 3)
+    root = zarr.open_group(tmp_path / "run.zarr", mode="r", use_consolidated=False)
+    assert root["fields/x/value"].chunks == (1000 // (6 * 3 * 8), 6, 3)
+    assert root["time"].chunks == root["kinetic_energy"].chunks == (1000 // (6 * 3 * 8),)
     same(Trajectory.open(tmp_path / "run.zarr"), run)
 
 

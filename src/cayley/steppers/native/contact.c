@@ -15,6 +15,7 @@
 
 static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
 static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
+static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */
 static const double STEPS = 20.0;    /* steps that a list is to last */
 static const double QUICKER = 1.5;   /* growth of a way from step to step that is reckoned with */
 
@@ -254,6 +255,37 @@ void take_contact(struct contacts *c, struct scene *x, struct touch *t, const st
     }
 }
 
+/* Nodes of a contact, the ground's left out; returns how many, at most four. */
+static i64 moved_by(const struct contacts *c, const struct touch *t, i64 *node)
+{
+    i64 count = 0;
+    for (i64 side = 0; side < 2; side++) {
+        i64 item = side ? t->b : t->a, solid = item >= c->segments;
+        i64 first = solid ? c->carrier[item - c->segments] : c->node[c->ends[2 * item]];
+        i64 second = solid ? first : c->node[c->ends[2 * item + 1]];
+        if (first < c->nodes) node[count++] = first;
+        if (second < c->nodes && second != first) node[count++] = second;
+    }
+    return count;
+}
+
+static void count_crowd(const struct contacts *c, struct scene *x)
+{
+    i64 node[4];
+    memset(x->crowd, 0, (size_t)(c->nodes + 1) * sizeof *x->crowd);
+    for (i64 n = 0; n < x->count; n++)
+        if (x->touch[n].touching)
+            for (i64 k = moved_by(c, x->touch + n, node) - 1; k >= 0; k--) x->crowd[node[k]]++;
+}
+
+/* Dampers take velocities half a step late, so all on a node together may not be stronger than the mass there takes. */
+static void restrain(const struct contacts *c, const struct scene *x, struct touch *t, double h)
+{
+    i64 node[4], most = 1;
+    for (i64 k = moved_by(c, t, node) - 1; k >= 0; k--) most = x->crowd[node[k]] > most ? x->crowd[node[k]] : most;
+    t->most = LATE * t->mass / ((double)most * h * h);
+}
+
 static double smallest_unit(const struct scene *x)
 {
     double least = INFINITY;
@@ -287,6 +319,7 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     struct seen seen;
     take(c, x, values);
     renew(c, x);
+    count_crowd(c, x);
     memset(c->force, 0, (size_t)((c->nodes + 1) * c->dofs) * sizeof(double));
     c->told[0] = c->told[2] = c->told[3] = 0.0;
     double unit = x->stride > 0.0 ? smallest_unit(x) : INFINITY;
@@ -301,6 +334,7 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
             c->blame[0] = t->a, c->blame[1] = t->b;
             return FAST;
         }
+        restrain(c, x, t, h);
         take_contact(c, x, t, &seen, h);
     }
     if (c->told[2] > c->told[6]) c->told[6] = c->told[2];
@@ -362,6 +396,7 @@ i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
     x->point = malloc(points), x->old_point = malloc(points), x->listed_point = malloc(points);
     x->values = malloc(all), x->old_values = malloc(all), x->listed_values = malloc(all);
     x->pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
+    x->crowd = malloc((size_t)(c->nodes + 1) * sizeof *x->crowd);
     x->margin = c->clearance;
     take(c, x, values);
     list_near(c, x);
@@ -379,7 +414,7 @@ void end_contacts(i64 state)
     struct scene *x = (struct scene *)state;
     free(x->point), free(x->old_point), free(x->listed_point);
     free(x->values), free(x->old_values), free(x->listed_values);
-    free(x->pose), free(x->touch), free(x);
+    free(x->pose), free(x->touch), free(x->crowd), free(x);
 }
 
 /* Write all contacts at values: a, b, slot, depth, its unit, normal, place, force along the normal, [most][12]. */

@@ -19,6 +19,7 @@ struct touch {
     double normal[3];
     double depth;
     double allowed;   /* what is left of an overlap at the start */
+    double most;      /* of the forces of dampers for a way in a step that explicit steps take [N/m] */
 };
 
 /* A contact as it is seen. */
@@ -43,6 +44,7 @@ struct scene {
     double *pose;     /* origin and rotation matrix, [solids][12] */
     struct touch *touch;
     i64 count, room;
+    i64 *crowd;       /* contacts on each node at the evaluation before, [nodes + 1] */
     double margin;
     double stride;    /* largest way of a point since the evaluation before */
     double loss;      /* by friction and damping in a step of an implicit rule */

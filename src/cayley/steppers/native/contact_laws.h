@@ -38,25 +38,27 @@ static inline void carry(const double *slip, const double *turned, const double 
     for (i64 k = 0; k < 3; k++) out[k] *= left > 0.0 ? size / left : 0.0;
 }
 
+static inline void shorten(double *v, double most)
+{
+    double size = sqrt(DOT(v, v));
+    for (i64 k = 0; k < 3 && size > most; k++) v[k] *= most / size;
+}
+
 /* Friction and damping: slip grows by the tangential part of a way in a step h. */
 static inline void friction_of(const struct contacts *c, const struct touch *t, const struct law *law,
                                const double *normal, const double *way, double h, double *slip, double *push)
 {
     double along = DOT(way, normal), rate = c->damping * law->grip / h;
-    double spring = c->shear * t->stiffness, damper = 2.0 * STICKING * law->grip * sqrt(spring * t->mass) / h, most = t->friction * law->force;
-    double resist = -2.0 * rate * sqrt(t->stiffness * t->mass) * along;
+    double spring = c->shear * t->stiffness, damper = 2.0 * STICKING * law->grip * sqrt(spring * t->mass) / h;
+    double across = 2.0 * rate * sqrt(t->stiffness * t->mass), most = t->friction * law->force;
+    if (damper > t->most) damper = t->most;
+    if (across > t->most) across = t->most;
+    double resist = -across * along;
     if (resist < -law->force) resist = -law->force; /* nothing sticks to each other */
-    for (i64 k = 0; k < 3; k++) {
-        double tangential = way[k] - along * normal[k];
-        slip[k] += tangential;
-        push[k] = -spring * slip[k] - damper * tangential;
-    }
-    double size = sqrt(DOT(push, push));
-    if (size > most)
-        for (i64 k = 0; k < 3; k++) {
-            push[k] *= most / size;
-            slip[k] = spring > 0.0 ? -push[k] / spring : 0.0;
-        }
+    for (i64 k = 0; k < 3; k++) slip[k] += way[k] - along * normal[k];
+    shorten(slip, spring > 0.0 ? most / spring : 0.0);
+    for (i64 k = 0; k < 3; k++) push[k] = -spring * slip[k] - damper * (way[k] - along * normal[k]);
+    shorten(push, most);
     for (i64 k = 0; k < 3; k++) push[k] += resist * normal[k];
 }
 

@@ -3,6 +3,8 @@
 #include <string.h>
 #include "contact.h"
 
+static const double BORDER = 1e-6; /* of a face, in parts of it: what is on it is above it */
+
 /* Of a unit quaternion. */
 void rotation_matrix(const double *q, double *m)
 {
@@ -169,52 +171,6 @@ static i64 field_at(i64 kind, const double *size, const double *x, struct field 
     return 1;
 }
 
-/* Where along a + s u the distance from a box is least: its derivative rises. */
-static double lowest(const double *size, const double *a, const double *u)
-{
-    double low = 0.0, high = 1.0;
-    for (i64 k = 0; k < 40; k++) {
-        double s = 0.5 * (low + high), x[3] = {a[0] + s * u[0], a[1] + s * u[1], a[2] + s * u[2]};
-        struct field f;
-        box(size, x, &f);
-        double rate = DOT(f.slope, u);
-        if (rate == 0.0) return s;
-        if (rate < 0.0) low = s;
-        else high = s;
-        if (high - low < 1e-12) break;
-    }
-    return 0.5 * (low + high);
-}
-
-/* The point of a segment that a slot means, in the frame of the solid; how much deeper than a rod that bends around a
- * cylinder its chord may lie. Returns whether there is one. */
-static i64 where_on(const struct contacts *c, const struct touch *t, const double *a, const double *u, double *s,
-                    double *chord)
-{
-    i64 solid = t->b - c->segments, kind = c->kind[solid];
-    const double *size = c->size + 18 * solid;
-    *chord = 0.0;
-    if (t->slot == START || t->slot == END) {
-        *s = t->slot == END ? 1.0 : 0.0;
-        return 1;
-    }
-    if (kind == CYLINDER) {
-        double uu = u[0] * u[0] + u[1] * u[1];
-        if (uu == 0.0) return 0;
-        *s = -(a[0] * u[0] + a[1] * u[1]) / uu;
-        double radius = c->radius[t->a], most = 1.5 * *s * (1.0 - *s) * uu / (2.0 * (size[0] + radius));
-        *chord = most < radius ? most : radius;
-    } else if (kind == BOX) *s = lowest(size, a, u);
-    else { /* an edge of a triangle: (s, t) inside both */
-        i64 k = t->slot - INSIDE;
-        const double *p = size + 3 * k, *q = size + 3 * ((k + 1) % 3);
-        double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, along;
-        closest(a, u, p, e, s, &along);
-        if (along <= 0.0 || along >= 1.0) return 0;
-    }
-    return *s > 1e-9 && *s < 1.0 - 1e-9;
-}
-
 /* Distance of the segment from an edge of a triangle, in its frame. */
 static i64 edge(const double *size, i64 k, const double *x, struct field *f)
 {
@@ -227,42 +183,6 @@ static i64 edge(const double *size, i64 k, const double *x, struct field *f)
     if (f->value == 0.0 || DOT(n, r) < -1e-9 * f->value || DOT(out, r) > 1e-9 * f->value * length) return 0;
     for (i64 i = 0; i < 3; i++) f->slope[i] = r[i] / f->value;
     f->bend = 1.0 / f->value;
-    return 1;
-}
-
-/* A point between the ends of a segment as a mean of them. */
-static void stand(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
-{
-    *count = 0;
-    if (s < 1.0) point[*count] = c->ends[2 * segment], weight[(*count)++] = 1.0 - s;
-    if (s > 0.0) point[*count] = c->ends[2 * segment + 1], weight[(*count)++] = s;
-}
-
-static i64 look_at_solid(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
-{
-    i64 solid = t->b - c->segments, kind = c->kind[solid];
-    const double *pose = x->pose + 12 * solid, *size = c->size + 18 * solid, radius = c->radius[t->a];
-    const double *first = x->point + 3 * c->ends[2 * t->a], *second = x->point + 3 * c->ends[2 * t->a + 1];
-    double a[3], u[3], local[3], way[3], s, chord, at[3];
-    for (i64 k = 0; k < 3; k++) a[k] = first[k] - pose[k], u[k] = second[k] - first[k];
-    times_transposed(pose + 3, a, local);
-    times_transposed(pose + 3, u, way);
-    if (!where_on(c, t, local, way, &s, &chord)) return 0;
-    for (i64 k = 0; k < 3; k++) at[k] = local[k] + s * way[k];
-    struct field f;
-    i64 on_edge = kind == TRIANGLE && t->slot >= INSIDE;
-    if (!(on_edge ? edge(size, t->slot - INSIDE, at, &f) : field_at(kind, size, at, &f))) return 0;
-    seen->depth = radius - chord - f.value;
-    if (kind == TRIANGLE && seen->depth > 2.0 * radius + t->unit) return 0; /* the back of a thin sheet */
-    times(pose + 3, f.slope, seen->normal);
-    times(pose + 3, f.axis, seen->axis);
-    seen->bend = f.bend, seen->count_b = 0, seen->inside = 0;
-    stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
-    seen->distance = f.value, seen->arm_a = radius - chord - seen->depth, seen->arm_b = 0.0;
-    for (i64 k = 0; k < 3; k++) {
-        seen->gap[k] = seen->normal[k] * f.value;
-        seen->place[k] = first[k] + s * u[k] - seen->normal[k] * seen->arm_a;
-    }
     return 1;
 }
 
@@ -285,6 +205,139 @@ static double sagging(double p[4][3])
     for (i64 k = 0; k < 3; k++) first[k] = p[0][k] - 2.0 * p[1][k] + p[2][k], second[k] = p[1][k] - 2.0 * p[2][k] + p[3][k];
     double a = DOT(first, first), b = DOT(second, second);
     return 0.125 * sqrt(a > b ? a : b);
+}
+
+/* Inside a solid between two faces, where the one field falls along u and the other rises, the edge between them is touched:
+ * the distance is that of two lines. Returns how far along u they come nearest. */
+static double between(const struct field *before, const struct field *behind, const double *u, struct field *f)
+{
+    const double *m = before->slope, *n = behind->slope;
+    double falling = -DOT(m, u), rising = DOT(n, u), e[3], both[3], square = 0.0;
+    for (i64 k = 0; k < 3; k++) {
+        f->slope[k] = (rising * m[k] + falling * n[k]) / (falling + rising), both[k] = m[k] + n[k];
+        square += f->slope[k] * f->slope[k];
+    }
+    CROSS(m, n, e);
+    double ee = DOT(e, e), ue = DOT(u, e), apart = DOT(u, u) - (ee > 0.0 ? ue * ue / ee : 0.0);
+    if (ee < 1e-12 || square == 0.0 || apart <= 0.0) return 0.0;
+    double nearer = -f->value * DOT(u, both) / (1.0 + DOT(m, n)) / apart;
+    f->value /= sqrt(square);
+    for (i64 k = 0; k < 3; k++) f->slope[k] /= sqrt(square);
+    return nearer;
+}
+
+/* Where along a + s u the distance from a convex solid is least: its rate rises. Along a face ends are as near. */
+static double lowest(i64 kind, const double *size, const double *a, const double *u, struct field *f)
+{
+    double low = 0.0, high = 1.0;
+    struct field before, behind;
+    for (i64 k = 0; k < 40; k++) {
+        double s = 0.5 * (low + high), x[3] = {a[0] + s * u[0], a[1] + s * u[1], a[2] + s * u[2]};
+        field_at(kind, size, x, f);
+        double rate = DOT(f->slope, u);
+        if (rate == 0.0) return f->bend > 0.0 ? s : 0.0;
+        if (rate < 0.0) low = s, before = *f;
+        else high = s, behind = *f;
+        if (high - low < 1e-12) break;
+    }
+    if (low == 0.0 || high == 1.0) return low == 0.0 ? 0.0 : 1.0;
+    if (f->value >= 0.0) return 0.5 * (low + high);
+    return clamp(0.5 * (low + high) + between(&before, &behind, u, f), 1e-8, 1.0 - 1e-8);
+}
+
+/* How much deeper than a rod that bends around a cylinder its chord may lie at s of it. */
+static double sunk(const struct contacts *c, const struct scene *x, i64 segment, double s, double uu, double around)
+{
+    if (c->along[segment] < 0) return 0.0;
+    double p[4][3];
+    about(c, x, segment, p);
+    double bend = uu / around, known = 8.0 * sagging(p), most = 0.75 * s * (1.0 - s) * (known < bend ? known : bend);
+    return most < c->radius[segment] ? most : c->radius[segment];
+}
+
+/* A corner of a body above the face of a box touches that face, even at its very border, where another face is nearer. */
+static i64 above_face(const struct contacts *c, const struct scene *x, const struct touch *t, const double *corner, struct field *f)
+{
+    i64 solid = t->b - c->segments, node = c->node[c->ends[2 * t->a]], which = -1;
+    const double *size = c->size + 18 * solid, *pose = x->pose + 12 * solid, *place = x->values + node * c->rows + c->place_row;
+    double middle[3], way[3];
+    for (i64 k = 0; k < 3; k++) way[k] = place[k] - pose[k];
+    times_transposed(pose + 3, way, middle);
+    for (i64 k = 0; k < 3; k++)
+        if (fabs(middle[k]) > size[k]) {
+            if (which >= 0) return 0; /* it is beyond an edge */
+            which = k;
+        }
+    if (which < 0) return 0;
+    double sign = middle[which] < 0.0 ? -1.0 : 1.0, height = sign * corner[which] - size[which];
+    for (i64 k = 0; k < 3; k++)
+        if (k != which && fabs(corner[k]) > size[k] * (1.0 + BORDER)) return 0;
+    if (height < -0.5 * size[which]) return 0;
+    memset(f, 0, sizeof *f);
+    f->value = height, f->slope[which] = sign;
+    return 1;
+}
+
+/* The point of a segment that a slot means, in the frame of the solid, and its distance; how much deeper its chord may
+ * lie. Returns whether there is one. */
+static i64 where_on(const struct contacts *c, const struct scene *x, const struct touch *t, const double *a, const double *u,
+                    double *s, double *chord, struct field *f)
+{
+    i64 solid = t->b - c->segments, kind = c->kind[solid], known = 0;
+    const double *size = c->size + 18 * solid;
+    *chord = 0.0;
+    if (t->slot == START || t->slot == END) {
+        *s = t->slot == END ? 1.0 : 0.0;
+    } else if (kind == TRIANGLE) { /* (s, along) inside both */
+        i64 k = t->slot - INSIDE;
+        const double *p = size + 3 * k, *q = size + 3 * ((k + 1) % 3);
+        double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, along;
+        closest(a, u, p, e, s, &along);
+        if (along <= 0.0 || along >= 1.0) return 0;
+    } else if (kind == CYLINDER && c->radius[t->a] > 0.0 && fabs(a[2]) <= size[1] && fabs(a[2] + u[2]) <= size[1]) {
+        double uu = u[0] * u[0] + u[1] * u[1];
+        if (uu == 0.0) return 0;
+        *s = -(a[0] * u[0] + a[1] * u[1]) / uu; /* beside it */
+        if (*s > 0.0 && *s < 1.0) *chord = sunk(c, x, t->a, *s, uu, size[0] + c->radius[t->a]);
+    } else *s = lowest(kind, size, a, u, f), known = 1;
+    if (t->slot >= INSIDE && (*s <= 1e-9 || *s >= 1.0 - 1e-9)) return 0;
+    if (known) return 1;
+    double at[3] = {a[0] + *s * u[0], a[1] + *s * u[1], a[2] + *s * u[2]};
+    if (kind == BOX && c->radius[t->a] == 0.0 && t->slot < INSIDE && above_face(c, x, t, at, f)) return 1;
+    return kind == TRIANGLE && t->slot >= INSIDE ? edge(size, t->slot - INSIDE, at, f) : field_at(kind, size, at, f);
+}
+
+/* A point between the ends of a segment as a mean of them. */
+static void stand(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
+{
+    *count = 0;
+    if (s < 1.0) point[*count] = c->ends[2 * segment], weight[(*count)++] = 1.0 - s;
+    if (s > 0.0) point[*count] = c->ends[2 * segment + 1], weight[(*count)++] = s;
+}
+
+static i64 look_at_solid(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
+{
+    i64 solid = t->b - c->segments, kind = c->kind[solid];
+    const double *pose = x->pose + 12 * solid, radius = c->radius[t->a];
+    const double *first = x->point + 3 * c->ends[2 * t->a], *second = x->point + 3 * c->ends[2 * t->a + 1];
+    double a[3], u[3], local[3], way[3], s, chord;
+    for (i64 k = 0; k < 3; k++) a[k] = first[k] - pose[k], u[k] = second[k] - first[k];
+    times_transposed(pose + 3, a, local);
+    times_transposed(pose + 3, u, way);
+    struct field f;
+    if (!where_on(c, x, t, local, way, &s, &chord, &f)) return 0;
+    seen->depth = radius - chord - f.value;
+    if (kind == TRIANGLE && seen->depth > 2.0 * radius + t->unit) return 0; /* the back of a thin sheet */
+    times(pose + 3, f.slope, seen->normal);
+    times(pose + 3, f.axis, seen->axis);
+    seen->bend = f.bend, seen->count_b = 0, seen->inside = 0;
+    stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+    seen->distance = f.value, seen->arm_a = radius - chord - seen->depth, seen->arm_b = 0.0;
+    for (i64 k = 0; k < 3; k++) {
+        seen->gap[k] = seen->normal[k] * f.value;
+        seen->place[k] = first[k] + s * u[k] - seen->normal[k] * seen->arm_a;
+    }
+    return 1;
 }
 
 /* The quadratic B-spline of a rod's points along a segment: weights of the four points about it, and their slopes and
