@@ -85,8 +85,8 @@ def simulate(
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
         rotation: "quaternion" or "matrix".
         settle: True: for the sake of where the motion ends, all rods are damped by −α m ẋ, −α J ω with α twice the
-            slowest frequency; a number: with this α [1/s]. run.residual tells how fast they still move at the end;
-            cy.settle goes straight to rest.
+            slowest frequency, and more at the very start; a number: with this α [1/s]. run.residual tells how fast
+            they still move at the end; cy.settle goes straight to rest.
         rest: end a run that settles before t_end, when no node was faster than this many lengths of its rod per second
             [1/s], at no frame for 2/ω, ω the slowest frequency.
         balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the
