@@ -48,6 +48,16 @@ def test_motion_decays_as_asked_and_the_residual_is_its_speed():
     assert abs(run.energy_balance.defect.values[-1]) < 1e-6 * run.energy.values[0]
 
 
+def test_what_falls_on_a_floor_comes_to_lie_there():
+    rod, model = hanging(hold=supports.clamp)
+    low = model.replace(obstacles=[cy.Plane(point=(0, 0, -0.1))], contact=cy.Contact(friction=0.3))
+    rest = cy.settle(low, tolerance=1e-4)
+    assert rest.route == "damped run"
+    assert rest.residual < 1e-4
+    lowest = rest[rod].position.values[-3:, 2] - (-0.1)
+    np.testing.assert_allclose(lowest, 5e-3, rtol=0.02)
+
+
 def test_a_run_ends_at_rest():
     rod, model = hanging()
     whole = cy.simulate(model, 6.0, settle=True, save_every=0.05)

@@ -19,7 +19,7 @@ from cayley.model.settling import settling, slowest_frequency
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import WriteError, add_info
 from cayley.simulation.failure import Interrupted, SimulationError
-from cayley.simulation.rest import STRETCH, Settled, SettleError, settle
+from cayley.simulation.rest import SLOWER, STRETCH, Settled, SettleError, settle
 from cayley.simulation.restart import resume
 from cayley.simulation.run import Calm, span_of
 from cayley.simulation.run import run as _run
@@ -32,8 +32,6 @@ CANDIDATES = (rules.verlet, rules.midpoint, rules.galerkin(time=2), rules.galerk
 """Rules among which an accuracy chooses; all have the same nodes."""
 _log = logging.getLogger("cayley.run")
 
-SLOWER = 10
-"""Tries with half the step each where parts touch too fast."""
 ATTEMPTS = 4
 """How often a rule and step are chosen, when runs stop that their trials promised."""
 
