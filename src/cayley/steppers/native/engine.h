@@ -156,7 +156,7 @@ struct contacts {
     double *told;        /* energy; loss so far; deepest now, in radii; contacts; candidates; searches; deepest so far, [7] */
     i64 *blame;          /* number of segment and of partner (solids behind segments) of the deepest or the failure, [2] */
     i64 capacity;        /* contacts that memory has room for */
-    double *memory;      /* contacts of the last evaluation, [1 + capacity * 14] */
+    double *memory;      /* contacts of the last evaluation, [2 + capacity * 14] */
 };
 
 struct problem {

@@ -255,7 +255,8 @@ static i64 step(struct problem *p, i64 number, double begin)
 {
     i64 values = (p->nodes + 1) * p->rows, tries = 0;
     p->counts[2] = number;
-    if (p->contacts && renew(p, 0)) return NOT_CONVERGED;
+    /* after a frame lists are new, so that a run that goes on from there has the same */
+    if (p->contacts && renew(p, number % p->stride == 0)) return NOT_CONVERGED;
     if (!solve_step(p, number, begin)) return NOT_CONVERGED;
     while (p->contacts && outran(p)) /* the list was too short: once more, with a longer one */
         if (++tries > LONGER || renew(p, 1) || !solve_step(p, number, begin)) return NOT_CONVERGED;
