@@ -18,7 +18,7 @@ RELAX = 0.995
 HEAD, RECORD = 2, 14
 """Numbers that are remembered of all contacts, and of each."""
 TOLD = 7
-"""Energy, loss, deepest now in radii, contacts, candidates, searches, deepest so far."""
+"""Energy, loss, deepest now in radii, contacts, candidates, searches (0 at frames), deepest since the last frame."""
 EACH, ROOM = 4, 64
 """Contacts of a segment that memory has room for, and how many more."""
 
