@@ -7,7 +7,7 @@ import pytest
 
 import cayley as cy
 from cayley import loads, supports
-from cayley.model.settling import slowest_frequency
+from cayley.model.settling import settling, slowest_frequency
 
 RUBBER = cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)
 
@@ -48,6 +48,16 @@ def test_motion_decays_as_asked_and_the_residual_is_its_speed():
     assert abs(run.energy_balance.defect.values[-1]) < 1e-6 * run.energy.values[0]
 
 
+def test_what_falls_on_a_floor_comes_to_lie_there():
+    rod, model = hanging(hold=supports.clamp)
+    low = model.replace(obstacles=[cy.Plane(point=(0, 0, -0.1))], contact=cy.Contact(friction=0.3))
+    rest = cy.settle(low, tolerance=1e-4)
+    assert rest.route == "damped run"
+    assert rest.residual < 1e-4
+    lowest = rest[rod].position.values[-3:, 2] - (-0.1)
+    np.testing.assert_allclose(lowest, 5e-3, rtol=0.02)
+
+
 def test_a_run_ends_at_rest():
     rod, model = hanging()
     whole = cy.simulate(model, 6.0, settle=True, save_every=0.05)
@@ -68,6 +78,20 @@ def test_the_rate_fits_the_slowest_motion():
     more = cy.Rod(cy.Section.circle(0.02, RUBBER), length=1.0, elements=4, origin=(1, 0, 0), direction=(1, 0, 0))
     longer = cy.Model(rod, more, joints=[cy.joints.weld(rod.end, more.start)])
     assert slowest_frequency(longer) == pytest.approx(cantilever / 4.0)
+
+
+def test_it_begins_gently_where_nothing_is_driven():
+    """Let go from a start with waves in it, the rod hardly moves while the first damping lasts, then as always."""
+    rod, model = hanging()
+    alpha = 2.0 * slowest_frequency(model)
+    run = cy.simulate(model, 0.4 / alpha, settle=True, save_every=0.01 / alpha)
+    tip = -run[rod].position.values[:, -1, 2]
+    eased = tip[30]
+    assert 0.0 < eased < 9.81 / (100.0 * alpha) * 0.3 / alpha
+    assert tip[-1] - tip[30] > 0.9 * 0.5 * 9.81 * (0.1 / alpha) ** 2 * 0.9
+    driven = model.replace(supports=[supports.drive(rod.start, position=([0.0, 1.0], [(0, 0, 0), (0, 0, 1)]))])
+    assert sum("decay" in str(load) for load in settling(driven).loads) == 1
+    assert sum("decay" in str(load) for load in settling(model).loads) == 2
 
 
 def test_what_never_rests_is_told():

@@ -79,6 +79,16 @@ def test_a_driven_clamp_goes_where_its_motion_says_and_slides():
     assert twist == pytest.approx(0.7 * 9 / 10, abs=0.02), turn
 
 
+def test_a_rope_that_should_hold_holds():
+    experiment = registry.load_experiment("capstan")
+    given = replace(experiment.scenario, duration=0.4)
+    found = CayleySolver().run(given, n_elements=60, n_frames=21)
+    assert 0.0 <= experiment.metrics["slide"](given, found) < 1e-4
+    slipping = replace(experiment.scenario_for(overhang=1.5), duration=0.4)
+    found = CayleySolver().run(slipping, n_elements=60, n_frames=21)
+    assert experiment.metrics["slide"](slipping, found) > 1e-2
+
+
 def test_what_is_not_there_is_told():
     still = Motion((0.0, 1.0), ((0.0, 0.0, 0.0),) * 2, ((0.0, 0.0, 0.0),) * 2)
     arc = tuple((float(np.sin(a)), 0.0, float(1.0 - np.cos(a))) for a in np.linspace(0.0, 1.0, 51))

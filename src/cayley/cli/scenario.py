@@ -101,6 +101,7 @@ class Scenario:
             "allow_unstable": run.allow_unstable,
             **({"balance": True} if run.balance else {}),
             **({"settle": run.settle} if run.settle else {}),
+            **({} if run.rest is None else {"rest": run.rest}),
             **({} if run.accuracy is None else {"accuracy": run.accuracy}),
         }
 

@@ -235,6 +235,7 @@ class RunTable(Table):
     )
     rotation: Literal["quaternion", "matrix"] = Field("quaternion", description='"quaternion" or "matrix"')
     settle: bool | Annotated[float, Field(gt=0)] = Field(False, description="true or false, or a positive number [1/s]")
+    rest: float | None = Field(None, gt=0, description="a positive number [1/s], with settle")
     balance: bool = Field(False, description="true or false")
     allow_unstable: bool = Field(False, description="true or false")
 

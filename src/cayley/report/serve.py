@@ -78,12 +78,10 @@ class Source:
 def grown(before: Trajectory, now: Trajectory) -> Trajectory:
     """A run in progress, opened again: only its new frames are observed, and the system is not made again."""
     count, times = len(before.time), now.time
-    if now.only is not None:  # whose frames are observed when they are stored, the last ones when they are asked for
-        if "system" in vars(before):
-            vars(now)["system"] = before.system
-        return now
     if "observed" in vars(now) or len(times) < count or not np.array_equal(times[:count], before.time):
         return now
+    if now.only is not None:
+        return _grown_parts(before, now)
     more = observe(before.system, now.frames.part(slice(count, None)))
     joined = {
         one.name: np.concatenate([getattr(before.observed, one.name), getattr(more, one.name)])
@@ -94,6 +92,20 @@ def grown(before: Trajectory, now: Trajectory) -> Trajectory:
     return Trajectory(
         frames=now.frames, info=now.info, system=before.system, observed=seen, model=now.model, parts=now._parts
     )
+
+
+def _grown_parts(before: Trajectory, now: Trajectory) -> Trajectory:
+    """The same of a run that saves some nodes only: frames with all of them are in its journal."""
+    if now.late is None or now.only is None:
+        return now
+    vars(now)["system"] = before.system
+    known, stored = len(before.time), len(now.time) - len(now.late.times)
+    if known == len(now.time):
+        vars(now)["observed"] = before.observed
+    elif known >= stored:
+        more = observe(before.system, now.late.part(slice(known - stored, None)))
+        vars(now)["observed"] = before.observed.then(more.at_nodes(now.only))
+    return now
 
 
 def server(

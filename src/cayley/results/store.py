@@ -14,7 +14,8 @@ them, what is observed when it ends.
     /fields/NAME/value, momentum, velocity, and on an interval slope, resultant     (time, node, component)
     /loads/K/value       of each load of the model that is a function of time       (time, axis)
     /motions/NAME/QUANTITY  of each joint that a function of time moves             (time, axis)
-    /checkpoint          attribute frames: how many are complete; step, and memory of implicit rules there
+    /checkpoint          attributes frames: how many are complete, chunk: after how many each chunk ends; step and
+                         memory of implicit rules there
     .journal-K           frames behind those (results.journal)
 
 Dimensions are named and units given, so that xarray opens any group without this library:

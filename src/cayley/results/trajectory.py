@@ -15,7 +15,6 @@ from cayley.results.observe import Observations, observe
 from cayley.results.outline import Outline
 from cayley.results.parts import part_dataset, saved_spans
 from cayley.results.residual import residual_speed
-from cayley.system.discretize import discretize
 from cayley.system.system import State, System
 
 if TYPE_CHECKING:

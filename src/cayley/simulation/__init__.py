@@ -19,7 +19,7 @@ from cayley.model.settling import settling, slowest_frequency
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import WriteError, add_info
 from cayley.simulation.failure import Interrupted, SimulationError
-from cayley.simulation.rest import STRETCH, Settled, SettleError, settle
+from cayley.simulation.rest import SLOWER, STRETCH, Settled, SettleError, settle
 from cayley.simulation.restart import resume
 from cayley.simulation.run import Calm, span_of
 from cayley.simulation.run import run as _run
@@ -32,8 +32,6 @@ CANDIDATES = (rules.verlet, rules.midpoint, rules.galerkin(time=2), rules.galerk
 """Rules among which an accuracy chooses; all have the same nodes."""
 _log = logging.getLogger("cayley.run")
 
-SLOWER = 10
-"""Tries with half the step each where parts touch too fast."""
 ATTEMPTS = 4
 """How often a rule and step are chosen, when runs stop that their trials promised."""
 
@@ -85,8 +83,8 @@ def simulate(
             angular_momentum (per length, Γ⁰ and Π⁰ of the paper); arrays for all nodes or functions of s.
         rotation: "quaternion" or "matrix".
         settle: True: for the sake of where the motion ends, all rods are damped by −α m ẋ, −α J ω with α twice the
-            slowest frequency; a number: with this α [1/s]. run.residual tells how fast they still move at the end;
-            cy.settle goes straight to rest.
+            slowest frequency, and more at the very start; a number: with this α [1/s]. run.residual tells how fast
+            they still move at the end; cy.settle goes straight to rest.
         rest: end a run that settles before t_end, when no node was faster than this many lengths of its rod per second
             [1/s], at no frame for 2/ω, ω the slowest frequency.
         balance: keep account of the work of loads, for run.energy_balance; with damping and other forces beside the

@@ -13,6 +13,7 @@ from cayley.model import Model
 from cayley.model.settling import settling, slowest_frequency
 from cayley.results.residual import residual_speed
 from cayley.results.trajectory import Trajectory
+from cayley.simulation.failure import SimulationError
 from cayley.simulation.run import run
 from cayley.simulation.saves import Saves, positive
 from cayley.simulation.start import start_of_model
@@ -30,6 +31,10 @@ STRETCH, FRAMES = 2.0, 8
 """Length of a piece of a damped run, in 1/ω of the slowest motion, and the frames at which its speed is looked at."""
 LONGEST = 200.0
 """Length of a damped run at which it is given up, in 1/ω."""
+
+
+SLOWER = 10
+"""Tries with half the step where parts touch too fast."""
 
 
 class SettleError(RuntimeError):
@@ -151,16 +156,15 @@ def _by_run(
     parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
     end, residual = state.time + LONGEST * unit, np.inf
     step: float | None = None
+    saves, tries = Saves(every=STRETCH * unit / FRAMES), 0
     while residual > tolerance:
-        piece = run(
-            system,
-            state,
-            state.time + STRETCH * unit,
-            step,
-            Saves(every=STRETCH * unit / FRAMES),
-            model=damped,
-            parts=parts,
-        )
+        try:
+            piece = run(system, state, state.time + STRETCH * unit, step, saves, model=damped, parts=parts)
+        except SimulationError as error:
+            if not error.too_fast or tries == SLOWER:
+                raise
+            step, tries = 0.5 * error.partial.frames.h, tries + 1  # something touched too fast for the step
+            continue
         state, step = piece.state, piece.dt
         residual = max(residual_speed(system, piece.frames.state(k), damped, parts) for k in range(1, len(piece.time)))
         if state.time > end and residual > tolerance:

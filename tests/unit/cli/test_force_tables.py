@@ -174,7 +174,8 @@ def test_balance_of_a_scenario():
 def test_settling_of_a_scenario():
     assert "settle" not in read().options()
     assert read(run="settle = true").options()["settle"] is True
-    assert read(run="settle = 3").options()["settle"] == 3.0
+    assert read(run="settle = 3\nrest = 1e-3").options()["settle"] == 3.0
+    assert read(run="settle = 3\nrest = 1e-3").options()["rest"] == 1e-3
     with pytest.raises(ScenarioError, match=r"run.settle.*true or false, or a positive number"):
         read(run="settle = -1.0")
 

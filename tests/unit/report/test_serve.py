@@ -48,7 +48,8 @@ def test_follows_a_run_in_progress(crane, tmp_path):
         assert ask(f"{address}frames?from=35")[0] == 204
 
 
-def test_follows_while_the_run_writes(crane, tmp_path):
+@pytest.mark.parametrize("only", [None, ["mast"]], ids=["all parts", "one part"])
+def test_follows_while_the_run_writes(crane, tmp_path, only):
     """Frames come out while simulate goes on, and at the end all of them, with the numbers of the run."""
     store, seen, sources = tmp_path / "run.zarr", [], []
 
@@ -57,7 +58,8 @@ def test_follows_while_the_run_writes(crane, tmp_path):
             sources.append(sources[0] if sources else Source(store))
             seen.append(len(sources[0].scene().time))
 
-    run = cy.simulate(crane.model, t_end=1.0, save_every=0.02, balance=True, store=store, progress=look)
+    options = {"save_every": 0.02, "balance": True, "save_only": only}
+    run = cy.simulate(crane.model, t_end=1.0, **options, store=store, progress=look)
     assert 1 < seen[0] < seen[-1]
     assert seen == sorted(seen)
     last = sources[0].scene()

@@ -92,7 +92,12 @@ ON_SHAPES = {
     "plane": (cy.Plane(normal=(0.1, 0.2, 1)), (0, 0, SUNK), (0.1, 0.2, 0.1), 1),
     "sphere": (cy.Sphere(0.05), (-0.06, 0.01, 0.048 + SUNK), (0.2, 0, 0.003), 1),
     "capsule": (cy.Capsule((0, -0.1, 0), (0, 0.1, 0), 0.03), (-0.1, 0.02, 0.03 + SUNK), (0.13, 0.02, 0), 1),
-    "cylinder side": (CYLINDER, (0.05 + 0.5 * RADIUS) * ACROSS - 0.012 * np.cross(UP, ACROSS), 0.04 * np.cross(UP, ACROSS), 3),
+    "cylinder side": (
+        CYLINDER,
+        (0.05 + 0.5 * RADIUS) * ACROSS - 0.012 * np.cross(UP, ACROSS),
+        0.04 * np.cross(UP, ACROSS),
+        3,
+    ),
     "cylinder cap": (CYLINDER, 0.02 * ACROSS + (0.1 + SUNK) * UP, 0.15 * UP + 0.03 * ACROSS, 1),
     "cylinder rim": (CYLINDER, 0.055 * ACROSS + 0.106 * UP, 0.15 * ACROSS + 0.1 * UP, 1),
     "box face": (BOX, (0.01, 0.02, 0.05 + SUNK), (0.03, 0.02, 0.1), 1),
@@ -109,7 +114,10 @@ CHORD = "a rod that bends around a cylinder may lie deeper along its chords; the
 
 @pytest.mark.parametrize(
     "case",
-    [pytest.param(k, marks=pytest.mark.xfail(strict=True, reason=CHORD)) if k == "cylinder side" else k for k in ON_SHAPES],
+    [
+        pytest.param(k, marks=pytest.mark.xfail(strict=True, reason=CHORD)) if k == "cylinder side" else k
+        for k in ON_SHAPES
+    ],
 )
 def test_of_a_rod_on_what_is_fixed(case):
     shape, start, way, contacts = ON_SHAPES[case]
@@ -118,7 +126,10 @@ def test_of_a_rod_on_what_is_fixed(case):
 
 def test_of_rods_that_cross_and_meet_end_to_end():
     first = rod((-0.13, 0, 0), (0.2, 0, 0))
-    others = rod((0.0, -0.06, 2 * SUNK), (0.02, 0.1, 0), name="b"), rod((0.07 + 1.6 * RADIUS, 0.004, 0.002), (0.1, 0.05, 0.02), name="c")
+    others = (
+        rod((0.0, -0.06, 2 * SUNK), (0.02, 0.1, 0), name="b"),
+        rod((0.07 + 1.6 * RADIUS, 0.004, 0.002), (0.1, 0.05, 0.02), name="c"),
+    )
     assert_gradient(*scene(cy.Model(first, *others, contact=STIFF)), 3)
 
 
@@ -134,7 +145,12 @@ def test_in_the_hollow_of_a_bend():
 CARRIED = {
     "box on a plane": (cy.Box((0.2, 0.1, 0.06)), cy.Plane(normal=(0.03, 0.02, 1)), 0.029, 3),
     "cylinder on a box": (cy.Cylinder(0.03, 0.1), cy.Box((0.2, 0.2, 0.1)), 0.0995, 1),
-    "capsule on a cylinder": (cy.Capsule((-0.1, 0.02, 0), (0.1, 0, 0), 0.02), cy.Cylinder(0.05, 0.3, axis=(0, 1, 0)), 0.069, 1),
+    "capsule on a cylinder": (
+        cy.Capsule((-0.1, 0.02, 0), (0.1, 0, 0), 0.02),
+        cy.Cylinder(0.05, 0.3, axis=(0, 1, 0)),
+        0.069,
+        1,
+    ),
     "sphere on a mesh": (cy.Sphere(0.05), cy.Mesh(ROOF, SLOPES), 0.13 - 0.001, 1),
     "box on a mesh": (cy.Box((0.2, 0.1, 0.06)), cy.Mesh(ROOF, SLOPES), 0.109, 2),
 }
@@ -158,6 +174,8 @@ def test_of_a_rod_on_a_turned_body():
     carrier = body(rotation=(0.8, 0.0, 0.36, 0.48), position=(0.1, 0, 0))
     box = cy.Box((0.3, 0.3, 0.3), center=(0, 0.1, 0.02), rotation=(0.8, 0.6, 0, 0), on=carrier)
     place, turn = carrier.position, carrier.rotation
-    top = np.array(place) + quaternion.rotate(turn, np.array(box.center) + quaternion.rotate(box.rotation, (0.02, 0.03, 0.15 + SUNK)))
+    top = np.array(place) + quaternion.rotate(
+        turn, np.array(box.center) + quaternion.rotate(box.rotation, (0.02, 0.03, 0.15 + SUNK))
+    )
     up = quaternion.rotate(turn, quaternion.rotate(box.rotation, (0.1, 0, 0.1)))
     assert_gradient(*scene(cy.Model(rod(top, up), carrier, obstacles=[box], contact=STIFF)), 1)

@@ -14,7 +14,12 @@ RUBBER = cy.Material(density=1100.0, youngs_modulus=2e6, poisson_ratio=0.49)
 def rod(start, way, radius, elements=4, name=""):
     length = float(np.linalg.norm(way))
     return cy.Rod(
-        cy.Section.circle(radius, RUBBER), length=length, origin=tuple(start), direction=tuple(way), elements=elements, name=name
+        cy.Section.circle(radius, RUBBER),
+        length=length,
+        origin=tuple(start),
+        direction=tuple(way),
+        elements=elements,
+        name=name,
     )
 
 
@@ -61,8 +66,12 @@ def test_it_finds_all_pairs_of_segments(scene):
     system = discretize(cy.Model(*rods), cy.rules.verlet)
     places = system.reference[:, system.layout.rows_of("x")]
     first = np.concatenate([[0], np.cumsum([r.elements + 1 for r in rods])])
-    starts = np.concatenate([places[a : b - 1] for a, b in zip(first, first[1:], strict=False)] + [[b.center for b in balls]])
-    ends = np.concatenate([places[a + 1 : b] for a, b in zip(first, first[1:], strict=False)] + [[b.center for b in balls]])
+    starts = np.concatenate(
+        [places[a : b - 1] for a, b in zip(first, first[1:], strict=False)] + [[b.center for b in balls]]
+    )
+    ends = np.concatenate(
+        [places[a + 1 : b] for a, b in zip(first, first[1:], strict=False)] + [[b.center for b in balls]]
+    )
     radii, owner = touching.arrays["radius"], touching.arrays["owner"]
     a, b = np.triu_indices(len(starts), 1)
     near = distance(starts[a], (ends - starts)[a], starts[b], (ends - starts)[b]) < radii[a] + radii[b]
@@ -80,7 +89,9 @@ def test_neighbors_along_a_rod_do_not_touch_and_others_do():
         angle = s / 0.03
         return np.stack([0.03 * np.cos(angle), 0.03 * np.sin(angle), 0.25 * radius * angle / np.pi], axis=-1)
 
-    own = cy.Rod.through(cy.Section.circle(radius, RUBBER), helix(np.linspace(0, 0.06 * np.pi * turns, 61)), elements=60)
+    own = cy.Rod.through(
+        cy.Section.circle(radius, RUBBER), helix(np.linspace(0, 0.06 * np.pi * turns, 61)), elements=60
+    )
     found, touching = pairs(cy.Model(own, contact=cy.Contact()))
     along = touching.arrays["along"]
     apart = np.array([abs(along[a] - along[b]) for a, b in found])
@@ -96,7 +107,9 @@ def test_what_is_excluded_does_not_touch():
     c = rod((-0.01, -0.1, -0.005), (0, 0.2, 0), 0.01, name="c")
 
     def touching(*, without=(), joints=()):
-        found, known = pairs(cy.Model(a, b, c, contact=cy.Contact(without=without), **({"joints": joints} if joints else {})))
+        found, known = pairs(
+            cy.Model(a, b, c, contact=cy.Contact(without=without), **({"joints": joints} if joints else {}))
+        )
         return {"".join(sorted(known.owner_of(k) for k in pair)) for pair in found}
 
     assert touching() == {"ab", "ac"}
@@ -123,7 +136,9 @@ def test_it_finds_all_solids_and_how_deep_they_are_touched():
     shapes = [cy.Box((8, 7, 9), center=(0, 0, -4.55)), cy.Cylinder(3.0, 9.0, center=(3.4, 0, 0), axis=(0, 1, 0.1))]
     for _ in range(25):
         center, turn = tuple(random.uniform(-0.5, 0.5, 3)), random.standard_normal(4)
-        shapes.append(cy.Box(tuple(random.uniform(0.02, 0.2, 3)), center=center, rotation=tuple(turn / np.linalg.norm(turn))))
+        shapes.append(
+            cy.Box(tuple(random.uniform(0.02, 0.2, 3)), center=center, rotation=tuple(turn / np.linalg.norm(turn)))
+        )
         center, turn = tuple(random.uniform(-0.5, 0.5, 3)), random.standard_normal(3)
         shapes.append(cy.Cylinder(*random.uniform(0.02, 0.2, 2), center=center, axis=tuple(turn)))
     rods = [rod(random.uniform(-0.5, 0.5, 3), 0.2 * random.standard_normal(3), 0.04, name=f"r{k}") for k in range(60)]

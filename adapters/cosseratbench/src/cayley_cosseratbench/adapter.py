@@ -12,7 +12,7 @@ from cosseratbench.trajectory import Trajectory
 
 import cayley as cy
 from cayley.discrete.rules import Rule
-from cayley.model.settling import slowest_frequency
+from cayley.model.settling import settling, slowest_frequency
 from cayley.simulation import advise
 from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
@@ -21,6 +21,8 @@ from cayley_cosseratbench.translate import Translation, driven, touches, transla
 
 ACCURACY = 1e-5
 """Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
+LARGEST = 0.99
+"""Largest part of the limit of explicit steps."""
 RESTING = 1e-4
 """Speed, in rod lengths per second, below which a run that only settles has come to rest [1/s]."""
 STATICS, DAMPED, MOTION, TOUCHING = "statics", "damped run", "motion", "motion with contact"
@@ -128,9 +130,10 @@ class CayleySolver:
         if plan.way == MOTION:
             options: dict[str, Any] = {"rule": plan.rule, "save_every": frame, "initial": case.initial}
             return self.scale * advise(case.model, scenario.duration, ACCURACY, **options).best.dt
-        system, state = start_of_model(case.model, "quaternion", case.initial)(cy.rules.screw)
+        model = settling(case.model) if scenario.quasi_static else case.model
+        system, state = start_of_model(model, "quaternion", case.initial)(cy.rules.screw)
         wanted = self.scale * SAFETY
-        return (wanted if plan.rule.implicit else min(wanted, 1.0)) * system.stable_dt(state)
+        return (wanted if plan.rule.implicit else min(wanted, LARGEST)) * system.stable_dt(state)
 
     def _run(self, scenario: suite.Scenario, plan: Plan, case: Translation, n_frames: int) -> list[Any]:
         frame = scenario.duration / (n_frames - 1)

@@ -10,8 +10,11 @@ from cosseratbench.scenario import End, EndCondition
 
 import cayley as cy
 from cayley.lie import quaternion
+from cayley.model.settling import slowest_frequency
 from cayley_cosseratbench.start import node_frames
 
+LYING = 8.0
+"""Rate of the damping of what lies still at the end, over the slowest frequency."""
 MEETS = 1e-9
 """Distance and angle up to which the straight rod stands where the scenario has a driven end [m, rad]."""
 
@@ -55,7 +58,21 @@ def translate(scenario: suite.Scenario, elements: int, degree: int) -> Translati
     touching: dict[str, Any] = {"contact": _contact(scenario), "obstacles": [_obstacle(o) for o in scenario.obstacles]}
     if touching["contact"] is None:
         touching = {}
-    return Translation(cy.Model(*rods, supports=held, loads=loads, **touching), tuple(rods), initial)
+    model = cy.Model(*rods, supports=held, loads=loads, **touching)
+    return Translation(_lying(scenario, model), tuple(rods), initial)
+
+
+def _lying(scenario: suite.Scenario, model: cy.Model) -> cy.Model:
+    """The model with more damping from when the last driven end stands still, if what was moved then lies on something.
+
+    Settling goes by the slowest frequency, of a rod that hangs free; what hangs or lies at the end is shorter.
+    """
+    ends = [motion.times[-1] for rod in scenario.rods for motion in (rod.start_motion, rod.end_motion) if motion]
+    if not scenario.quasi_static or not ends or not scenario.obstacles:
+        return model
+    rate = LYING * slowest_frequency(model)
+    late = [cy.loads.decay(rod, rate, start=max(ends)) for rod in model.rods]
+    return model.replace(loads=(*model.loads, *late))
 
 
 def touches(scenario: suite.Scenario) -> bool:
