@@ -16,6 +16,7 @@
 static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
 static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
 static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */
+static const double LEVER = 0.2;     /* part of the mass that a node has at the surface, where it turns: m r^2/J is up to 4 */
 static const double STEPS = 20.0;    /* steps that a list is to last */
 static const double QUICKER = 1.5;   /* growth of a way from step to step that is reckoned with */
 
@@ -283,7 +284,8 @@ static void restrain(const struct contacts *c, const struct scene *x, struct tou
 {
     i64 node[4], most = 1;
     for (i64 k = moved_by(c, t, node) - 1; k >= 0; k--) most = x->crowd[node[k]] > most ? x->crowd[node[k]] : most;
-    t->most = LATE * t->mass / ((double)most * h * h);
+    t->most = t->most_along = LATE * t->mass / ((double)most * h * h);
+    if (c->radius[t->a] > 0.0) t->most_along *= LEVER;
 }
 
 static double smallest_unit(const struct scene *x)
