@@ -89,7 +89,10 @@ def test_a_ball_rolls_or_slips_down_an_incline(part):
     ball = cy.Body(mass=mass, inertia=inertia, position=tuple(radius * normal), name="ball")
     shapes = [cy.Sphere(radius, on=ball), cy.Plane(normal=tuple(normal))]
     model = cy.Model(
-        ball, loads=[loads.gravity((0, 0, -GRAVITY))], obstacles=shapes, contact=cy.Contact(friction=friction, penetration=1e-3)
+        ball,
+        loads=[loads.gravity((0, 0, -GRAVITY))],
+        obstacles=shapes,
+        contact=cy.Contact(friction=friction, penetration=1e-3),
     )
     run = cy.simulate(model, 1.0, save_every=0.1)
     speed = run[ball].velocity.values @ way
@@ -107,9 +110,7 @@ def box_on_incline(angle, t_end):
         mass=0.4, inertia=[6.7e-4, 1.7e-3, 1.7e-3], position=tuple(0.04995 * normal), rotation=turn, name="box"
     )
     shapes = [cy.Box((0.2, 0.1, 0.1), on=box), cy.Plane(normal=tuple(normal))]
-    model = cy.Model(
-        box, loads=[loads.gravity((0, 0, -GRAVITY))], obstacles=shapes, contact=cy.Contact(friction=0.3)
-    )
+    model = cy.Model(box, loads=[loads.gravity((0, 0, -GRAVITY))], obstacles=shapes, contact=cy.Contact(friction=0.3))
     return cy.simulate(model, t_end, save_every=0.1)[box], way
 
 
@@ -128,13 +129,17 @@ def test_a_box_on_an_incline_sticks_without_creep_and_slides_beyond():
 def stack(sizes, shift):
     """Boxes of 60 mm height on each other, and their shapes."""
     made = [
-        cy.Body(mass=0.2, inertia=[3e-4, 3e-4, 4e-4], position=(k * shift, 0.5 * k * shift, 0.03 + 0.06 * k), name=f"b{k}")
+        cy.Body(
+            mass=0.2, inertia=[3e-4, 3e-4, 4e-4], position=(k * shift, 0.5 * k * shift, 0.03 + 0.06 * k), name=f"b{k}"
+        )
         for k in range(len(sizes))
     ]
     return made, [cy.Box((size, size, 0.06), on=body) for body, size in zip(made, sizes, strict=True)]
 
 
-@pytest.mark.parametrize(("sizes", "shift"), [((0.1, 0.1, 0.1), 0.0), ((0.1, 0.1, 0.1), 0.002), ((0.15, 0.1, 0.06), 0.002)])
+@pytest.mark.parametrize(
+    ("sizes", "shift"), [((0.1, 0.1, 0.1), 0.0), ((0.1, 0.1, 0.1), 0.002), ((0.15, 0.1, 0.06), 0.002)]
+)
 def test_stacks_of_boxes_rest(sizes, shift):
     bodies, shapes = stack(sizes, shift)
     model = cy.Model(
@@ -153,7 +158,12 @@ def test_stacks_of_boxes_rest(sizes, shift):
 
 def test_a_turning_cylinder_drags_a_rod_and_slows_down_by_as_much():
     rod = cy.Rod(
-        cy.Section.circle(0.005, RUBBER), length=0.2, origin=(-0.1, 0, 0.055), direction=(1, 0, 0), elements=10, name="rod"
+        cy.Section.circle(0.005, RUBBER),
+        length=0.2,
+        origin=(-0.1, 0, 0.055),
+        direction=(1, 0, 0),
+        elements=10,
+        name="rod",
     )
     drum = cy.Body(mass=1.0, inertia=[1e-3, 1e-3, 1e-3], name="drum")
     drum_shape = cy.Cylinder(0.05, 0.2, axis=(0, 1, 0), on=drum)

@@ -14,9 +14,7 @@ THIN = 0.002
 
 
 def wire(name, start, way):
-    return cy.Rod(
-        cy.Section.circle(THIN, STEEL), length=0.2, origin=start, direction=way, elements=10, name=name
-    )
+    return cy.Rod(cy.Section.circle(THIN, STEEL), length=0.2, origin=start, direction=way, elements=10, name=name)
 
 
 SHEET = cy.Mesh(np.array([[-0.3, -0.3, 0], [0.3, -0.3, 0], [0.3, 0.3, 0], [-0.3, 0.3, 0]]), [[0, 1, 2], [0, 2, 3]])

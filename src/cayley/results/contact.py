@@ -49,8 +49,8 @@ def warn_of_depth(run: Any) -> None:
     if deepest > DEEP * wanted:
         warnings.warn(
             f"parts sank {deepest:.2g} radii into each other, where Contact(penetration={wanted:g}) was wanted; give a "
-            "smaller dt, with which contacts are stiffer, or stiffness [N/m] in the Contact, or a larger penetration if "
-            "that is good enough",
+            "smaller dt, with which contacts are stiffer, or stiffness [N/m] in the Contact, or a larger penetration "
+            "if that is good enough",
             ContactDepthWarning,
             stacklevel=5,
         )

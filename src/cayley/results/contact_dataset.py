@@ -77,7 +77,9 @@ def contacts_at(run: Any, frame: int) -> xr.Dataset:
 def _told(run: Any) -> np.ndarray:
     told: np.ndarray | None = run.frames.contact
     if told is None:
-        what = "its frames have some nodes only (save_only)" if run.only is not None else "nothing can touch in its model"
+        what = (
+            "its frames have some nodes only (save_only)" if run.only is not None else "nothing can touch in its model"
+        )
         raise ValueError(f"the run tells no contacts: {what}")
     return told
 
