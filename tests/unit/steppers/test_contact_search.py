@@ -1,4 +1,4 @@
-"""The search for contacts finds what a look at all pairs finds, in scenes of all sizes; it leaves out what it should."""
+"""The search for contacts finds what a look at all pairs finds, in scenes of all sizes; it leaves out what it must."""
 
 import itertools
 
