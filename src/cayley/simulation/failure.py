@@ -48,6 +48,12 @@ def explain(system: System, result: Result, trajectory: Trajectory) -> str:
         node = f" at node {place}{node}"
     if result.outcome is Outcome.REDUNDANT:
         return f"stopped at t = {time:.6g} s (step {result.step}){node}: {result.outcome.value}; hold less"
+    if result.outcome is Outcome.CROWDED:
+        return (
+            f"stopped at t = {time:.6g} s (step {result.step}): {result.outcome.value}; make meshes coarser where rods "
+            "lie on them, or leave pairs out (Contact(without=...)). "
+            f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
+        )
     if result.outcome is Outcome.FAST:
         return (
             f"stopped at t = {time:.6g} s (step {result.step}), at {result.partners}: {result.outcome.value}; give dt "

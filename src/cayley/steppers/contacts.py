@@ -19,7 +19,7 @@ HEAD, RECORD = 2, 14
 """Numbers that are remembered of all contacts, and of each."""
 TOLD = 7
 """Energy, loss, deepest now in radii, contacts, candidates, searches (0 at frames), deepest since the last frame."""
-EACH, ROOM = 4, 64
+EACH, ROOM = 4, 512
 """Contacts of a segment that memory has room for, and how many more."""
 
 
@@ -53,16 +53,12 @@ class Contacts:
         begin.restype = ctypes.c_int64
         self.struct.state = begin(ctypes.byref(self.struct), address(given), ctypes.c_int64(known))
 
-    def remember(self) -> np.ndarray:
-        """What a state remembers, flat.
-
-        Raises:
-            RuntimeError: if there are more contacts than room for them.
-        """
+    def remember(self) -> np.ndarray | None:
+        """What a state remembers, flat; None if there are more contacts than room for them."""
         remember = self.engine.remember_contacts
         remember.restype = ctypes.c_int64
         if not remember(ctypes.byref(self.struct), ctypes.c_int64(self.struct.state)):
-            raise RuntimeError(f"more than {self.arrays['capacity']} contacts at once: they are not remembered")
+            return None
         return np.concatenate([self.arrays["memory"], self.arrays["force"][:-1].reshape(-1)])
 
     def end(self) -> None:

@@ -283,7 +283,9 @@ def _advance(
             partners = system.contact.described(*(int(k) for k in contacts.arrays["blame"]))
             counts[3] = -1
         elif outcome is Outcome.FINISHED:
-            memory = np.concatenate([memory, contacts.remember()])
+            own = contacts.remember()
+            outcome = Outcome.CROWDED if own is None else outcome
+            memory = memory if own is None else np.concatenate([memory, own])
         contacts.end()
     contact = np.concatenate([told, force.reshape(len(works), -1)], axis=1)
     return _Call(outcome, reached.value, counts, memory, contact, partners)

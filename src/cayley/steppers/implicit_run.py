@@ -162,7 +162,9 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
         if outcome is Outcome.FAST:
             partners, counts[3] = system.contact.described(*map(int, touching.contacts.arrays["blame"])), -1
         elif outcome is Outcome.FINISHED:
-            memory = np.concatenate([memory, touching.contacts.remember()])
+            own = touching.contacts.remember()
+            outcome = Outcome.CROWDED if own is None else outcome
+            memory = memory if own is None else np.concatenate([memory, own])
         touching.contacts.end()
     contact = np.concatenate([told, force.reshape(len(frames), -1)], axis=1)
     return Advance(outcome, reached.value, counts, memory, made.arrays["history"], work, rates, contact, partners)

@@ -23,6 +23,7 @@ class Outcome(enum.Enum):
         "take midpoint"
     )
     FAST = "what touches there comes nearer by too much of its radius in one step: it might pass through"
+    CROWDED = "there are more contacts at once than a run remembers"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,6 @@
-"""The search for contacts finds what a look at all pairs finds, in scenes of all sizes; and leaves out what it is told to."""
+"""The search for contacts finds what a look at all pairs finds, in scenes of all sizes; it leaves out what it must."""
+
+import itertools
 
 import numpy as np
 import pytest
@@ -66,12 +68,8 @@ def test_it_finds_all_pairs_of_segments(scene):
     system = discretize(cy.Model(*rods), cy.rules.verlet)
     places = system.reference[:, system.layout.rows_of("x")]
     first = np.concatenate([[0], np.cumsum([r.elements + 1 for r in rods])])
-    starts = np.concatenate(
-        [places[a : b - 1] for a, b in zip(first, first[1:], strict=False)] + [[b.center for b in balls]]
-    )
-    ends = np.concatenate(
-        [places[a + 1 : b] for a, b in zip(first, first[1:], strict=False)] + [[b.center for b in balls]]
-    )
+    starts = np.concatenate([places[a : b - 1] for a, b in itertools.pairwise(first)] + [[b.center for b in balls]])
+    ends = np.concatenate([places[a + 1 : b] for a, b in itertools.pairwise(first)] + [[b.center for b in balls]])
     radii, owner = touching.arrays["radius"], touching.arrays["owner"]
     a, b = np.triu_indices(len(starts), 1)
     near = distance(starts[a], (ends - starts)[a], starts[b], (ends - starts)[b]) < radii[a] + radii[b]

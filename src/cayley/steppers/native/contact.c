@@ -227,13 +227,16 @@ void take_contact(struct contacts *c, struct scene *x, struct touch *t, const st
     double nearer = t->touching ? seen->depth - t->depth : -DOT(way, seen->normal), along = DOT(way, seen->normal);
     /* points that roll in come nearer though the partners do not: what counts is the depth */
     for (i64 k = 0; k < 3; k++) way[k] -= (along + nearer) * seen->normal[k];
+    double last = t->touching ? t->depth : seen->depth;
     t->depth = seen->depth;
-    if (t->allowed > 0.0) {
-        struct law old;
-        law_of(t->stiffness, c->soft * t->unit, seen->depth - t->allowed, &old);
-        t->allowed *= c->relax;
-        law_of(t->stiffness, c->soft * t->unit, seen->depth - t->allowed, &law);
-        c->told[1] -= law.energy - old.energy;
+    if (t->allowed > 0.0) { /* what goes away gives energy, by half at each end of the step */
+        double soft = c->soft * t->unit, less = t->allowed * c->relax;
+        struct law old, then;
+        law_of(t->stiffness, soft, last - t->allowed, &old), law_of(t->stiffness, soft, last - less, &then);
+        c->told[1] -= 0.5 * (then.energy - old.energy);
+        law_of(t->stiffness, soft, seen->depth - t->allowed, &old), law_of(t->stiffness, soft, seen->depth - less, &law);
+        c->told[1] -= 0.5 * (law.energy - old.energy);
+        t->allowed = less;
     } else law_of(t->stiffness, c->soft * t->unit, seen->depth, &law);
     memcpy(before, t->push, sizeof before);
     double held = DOT(t->slip, t->slip);

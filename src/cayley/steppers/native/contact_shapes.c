@@ -218,7 +218,7 @@ static double between(const struct field *before, const struct field *behind, co
         square += f->slope[k] * f->slope[k];
     }
     CROSS(m, n, e);
-    double ee = DOT(e, e), ue = DOT(u, e), apart = DOT(u, u) - (ee > 0.0 ? ue * ue / ee : 0.0);
+    double ee = DOT(e, e), on = DOT(u, e), apart = DOT(u, u) - (ee > 0.0 ? on * on / ee : 0.0);
     if (ee < 1e-12 || square == 0.0 || apart <= 0.0) return 0.0;
     double nearer = -f->value * DOT(u, both) / (1.0 + DOT(m, n)) / apart;
     f->value /= sqrt(square);
