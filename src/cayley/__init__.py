@@ -44,6 +44,7 @@ _HOMES = {
     "Interrupted": "simulation",
     "WriteError": "simulation",
     "DamageWarning": "results.known",
+    "ContactDepthWarning": "results.contact",
     "export": "results.export",
     "cite": "report.cite",
     "settle": "simulation",
@@ -142,6 +143,7 @@ if TYPE_CHECKING:
     from cayley.model import springs as springs
     from cayley.model import supports as supports
     from cayley.report.cite import cite as cite
+    from cayley.results.contact import ContactDepthWarning as ContactDepthWarning
     from cayley.results.export import export as export
     from cayley.results.known import DamageWarning as DamageWarning
     from cayley.results.trajectory import Trajectory as Trajectory

@@ -1,10 +1,20 @@
 """What saved frames say of contacts."""
 
+import warnings
+from typing import Any
+
 import numpy as np
 
 from cayley.results.frames import Frames
 from cayley.steppers.contacts import TOLD
 from cayley.system.system import System
+
+DEEP = 10.0
+"""Depths over the wanted one from which a run warns."""
+
+
+class ContactDepthWarning(UserWarning):
+    """Parts sank into each other much deeper than wanted."""
 
 
 def contact_energy(frames: Frames) -> np.ndarray | float:
@@ -17,3 +27,33 @@ def contact_forces(system: System, frames: Frames) -> np.ndarray | float:
     if frames.contact is None:
         return 0.0
     return frames.contact[:, TOLD:].reshape(len(frames.times), system.size, system.layout.dofs)
+
+
+def forces_on_nodes(run: Any, nodes: slice) -> np.ndarray | None:
+    """Forces of contacts on some nodes, in space [N], shape (frames, nodes, 3); None without contact."""
+    if run.frames.contact is None:
+        return None
+    layout = run.outline.layout
+    forces = run.frames.contact[:, TOLD:].reshape(len(run.time), -1, layout.dofs)
+    found: np.ndarray = forces[:, nodes, layout.dofs_of("x")]
+    return found
+
+
+def warn_of_depth(run: Any) -> None:
+    """Warn if parts sank in much deeper than wanted, unless their stiffness was given."""
+    if run.frames.contact is None or run.model is None or run.model.contact is None:
+        return
+    if run.model.contact.stiffness is not None:
+        return
+    deepest, wanted = float(run.frames.contact[:, 6].max()), run.model.contact.penetration
+    if deepest > DEEP * wanted:
+        warnings.warn(
+            f"parts sank {deepest:.2g} radii into each other, where Contact(penetration={wanted:g}) was wanted; give a "
+            "smaller dt, with which contacts are stiffer, or stiffness [N/m] in the Contact, or a larger penetration if "
+            "that is good enough",
+            ContactDepthWarning,
+            stacklevel=5,
+        )
+
+
+__all__ = ["ContactDepthWarning", "contact_energy", "contact_forces", "forces_on_nodes", "warn_of_depth"]

@@ -29,7 +29,7 @@ def system_of(run: Any) -> System:
                 "run with model=... to give it again"
             )
     rotation, rule, work = run.outline.layout.representation.name, by_name(run.rule), run.frames.work
-    tied = bool(run.model.connections or run.model.springs)
-    # explicit steps with ties account for these in one column, for loads in more, on request
+    tied = bool(run.model.connections or run.model.springs or run.model.contact)
+    # explicit steps with ties or contact account for these in one column, for loads in more, on request
     kept = work is not None and (rule.implicit or not tied or work.shape[1] > 1)
     return discretize(run.model, rule, rotation=rotation, account=kept)

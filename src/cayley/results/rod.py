@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from cayley.lie import quaternion
+from cayley.results.contact import forces_on_nodes
 
 _META = {
     "position": ("position", "m"),
@@ -20,6 +21,7 @@ _META = {
     "Sigma_impulse": ("discrete spatial momentum over one step, body frame", "N m s"),
     "strain": ("shear and stretch, body frame", "1"),
     "curvature": ("curvature and twist, body frame", "1/m"),
+    "contact_force": ("force of contacts on the nodes, space frame", "N"),
 }
 
 
@@ -33,7 +35,7 @@ def rod_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
 
     Returns: a Dataset with position, rotation, velocity, angular_velocity, force and moment (stress resultants in the
     body frame, Λᵀn and m), sigma and Sigma (the paper's spatial momenta, −n in space and −m) with their impulses over
-    one step, and per element strain Γ and curvature Ω, those without stress included.
+    one step, and per element strain Γ and curvature Ω, those without stress included; with contact, contact_force.
 
     Source: Leitz, Ober-Blöbaum, Leyendecker (2014), eq. 2 and section 6.1.
     """
@@ -61,6 +63,9 @@ def rod_dataset(run: Any, nodes: slice, name: str) -> xr.Dataset:
         ),
         "curvature": (element, slopes[..., layout.dofs_of("p")]),
     }
+    touched = forces_on_nodes(run, nodes)
+    if touched is not None:
+        fields["contact_force"] = (node, touched)
     variables = {
         key: (dims, np.ascontiguousarray(values), {"long_name": _META[key][0], "units": _META[key][1]})
         for key, (dims, values) in fields.items()

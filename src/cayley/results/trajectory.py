@@ -198,6 +198,28 @@ class Trajectory:
         return reaction_dataset(self, support, name)
 
     @property
+    def contacts(self) -> "xr.Dataset":
+        """Contacts over time: their number, energy [J], depth and the deepest so far [radii], dims (time,).
+
+        Raises:
+            ValueError: if nothing can touch in its model, or frames have some nodes only.
+        """
+        from cayley.results.contact_dataset import contacts_dataset
+
+        return contacts_dataset(self)
+
+    def contacts_at(self, frame: int) -> "xr.Dataset":
+        """All contacts at a frame: partners, their elements, place [m], normal, depth [m] and normal force [N].
+
+        Raises:
+            ValueError: as contacts.
+            IndexError: there is no such frame.
+        """
+        from cayley.results.contact_dataset import contacts_at
+
+        return contacts_at(self, frame)
+
+    @property
     def plot(self) -> "Plots":
         """Figures of the run for papers, by Matplotlib: ``run.plot.energy()``, ``run.plot.snapshots()``, ..."""
         made: Plots = extension("plot")(self)

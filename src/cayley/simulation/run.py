@@ -13,6 +13,7 @@ from cayley.choice.pilot import stepper_of
 from cayley.choice.schedule import Schedule
 from cayley.model import Model
 from cayley.results.append import about_run
+from cayley.results.contact import warn_of_depth
 from cayley.results.outline import Outline
 from cayley.results.residual import residual_speed
 from cayley.results.trajectory import Trajectory
@@ -110,6 +111,7 @@ def run(
     if result.outcome is not Outcome.FINISHED:
         too_fast = result.outcome is Outcome.FAST
         raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=too_fast)
+    warn_of_depth(trajectory)
     return trajectory
 
 

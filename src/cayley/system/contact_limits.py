@@ -11,7 +11,9 @@ from cayley.system.system import System
 PART = 0.1
 """k h²/m of contacts in steps h: of the limit 4 that a step of an explicit rule has, the rod is left most."""
 SHARED = 6.0
-"""Contacts on one node that are reckoned with."""
+"""Contacts on one node that are reckoned with,"""
+CORNERS = 16.0
+"""and on a body with corners: four at each of two faces, twice where those of two bodies meet."""
 SOFT = 0.5
 """Part of the wanted depth in which the stiffness sets in."""
 
@@ -78,10 +80,11 @@ def stiffness(system: System, h: float) -> tuple[float, float]:
 def with_contact(system: System, limit: float) -> float:
     """The step limit of an explicit rule that leaves room for contacts of the least stiffness [s].
 
-    h = 2/√(ω² + SHARED k/m)
+    h = 2/√(ω² + SHARED k/m), or CORNERS
     """
     assert system.contact is not None
     points, solids = inverse_masses(system)
     answering = float(max(points.max(initial=0.0), solids.max(initial=0.0)))
-    square = SHARED * least_stiffness(system.contact) * answering + (4.0 / limit**2 if limit > 0.0 else math.inf)
+    shared = SHARED if system.contact.arrays["round"].all() else CORNERS
+    square = shared * least_stiffness(system.contact) * answering + (4.0 / limit**2 if limit > 0.0 else math.inf)
     return 2.0 / math.sqrt(square) if square > 0.0 else math.inf

@@ -16,10 +16,11 @@
 static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
 static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
 static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */
+static const double LEVER = 0.2;     /* part of the mass that a node has at the surface, where it turns: m r^2/J is up to 4 */
 static const double STEPS = 20.0;    /* steps that a list is to last */
 static const double QUICKER = 1.5;   /* growth of a way from step to step that is reckoned with */
 
-enum { RECORD = 14 };
+enum { HEAD = 2, RECORD = 14 }; /* numbers in front, and of each contact */
 
 static void place_points(const struct contacts *c, const double *values, double *point)
 {
@@ -283,7 +284,8 @@ static void restrain(const struct contacts *c, const struct scene *x, struct tou
 {
     i64 node[4], most = 1;
     for (i64 k = moved_by(c, t, node) - 1; k >= 0; k--) most = x->crowd[node[k]] > most ? x->crowd[node[k]] : most;
-    t->most = LATE * t->mass / ((double)most * h * h);
+    t->most = t->most_along = LATE * t->mass / ((double)most * h * h);
+    if (c->radius[t->a] > 0.0) t->most_along *= LEVER;
 }
 
 static double smallest_unit(const struct scene *x)
@@ -343,6 +345,13 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     return FINISHED;
 }
 
+/* Write down what is told at a frame, without what depends on where calls end: candidates and searches. */
+void tell_contacts(struct contacts *c, double *out)
+{
+    memcpy(out, c->told, 7 * sizeof(double));
+    out[4] = out[5] = c->told[6] = 0.0;
+}
+
 /* Put contacts that touch into memory; returns whether there is room. */
 i64 remember_contacts(struct contacts *c, i64 state)
 {
@@ -352,15 +361,15 @@ i64 remember_contacts(struct contacts *c, i64 state)
         const struct touch *t = x->touch + n;
         if (!t->touching) continue;
         if (count == c->capacity) return 0;
-        double *out = c->memory + 1 + RECORD * count++;
+        double *out = c->memory + HEAD + RECORD * count++;
         out[0] = (double)t->a, out[1] = (double)t->b, out[2] = (double)t->slot;
         memcpy(out + 3, t->slip, sizeof t->slip);
         memcpy(out + 6, t->push, sizeof t->push);
         memcpy(out + 9, t->normal, sizeof t->normal);
         out[12] = t->allowed, out[13] = t->depth;
     }
-    memset(c->memory + 1 + RECORD * count, 0, (size_t)(RECORD * (c->capacity - count)) * sizeof(double));
-    c->memory[0] = (double)count;
+    memset(c->memory + HEAD + RECORD * count, 0, (size_t)(RECORD * (c->capacity - count)) * sizeof(double));
+    c->memory[0] = (double)count, c->memory[1] = x->stride;
     return 1;
 }
 
@@ -368,7 +377,7 @@ static void recall(struct contacts *c, struct scene *x)
 {
     i64 k = 0, count = (i64)c->memory[0];
     for (i64 n = 0; n < x->count && k < count; n++) {
-        const double *in = c->memory + 1 + RECORD * k;
+        const double *in = c->memory + HEAD + RECORD * k;
         struct touch *t = x->touch + n;
         if (t->a != (i64)in[0] || t->b != (i64)in[1] || t->slot != (i64)in[2]) continue;
         t->touching = 1;
@@ -401,7 +410,7 @@ i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
     take(c, x, values);
     list_near(c, x);
     keep_places(c, x);
-    if (recalled) recall(c, x);
+    if (recalled) recall(c, x), x->stride = c->memory[1];
     else {
         if (c->relax > 0.0) allow(c, x);
         touch_all(c, (i64)x, values, 1.0);

@@ -19,7 +19,7 @@ struct touch {
     double normal[3];
     double depth;
     double allowed;   /* what is left of an overlap at the start */
-    double most;      /* of the forces of dampers for a way in a step that explicit steps take [N/m] */
+    double most, most_along; /* of the forces of dampers, across and along, for a way in a step that explicit steps take [N/m] */
 };
 
 /* A contact as it is seen. */

@@ -51,7 +51,7 @@ static inline void friction_of(const struct contacts *c, const struct touch *t, 
     double along = DOT(way, normal), rate = c->damping * law->grip / h;
     double spring = c->shear * t->stiffness, damper = 2.0 * STICKING * law->grip * sqrt(spring * t->mass) / h;
     double across = 2.0 * rate * sqrt(t->stiffness * t->mass), most = t->friction * law->force;
-    if (damper > t->most) damper = t->most;
+    if (damper > t->most_along) damper = t->most_along;
     if (across > t->most) across = t->most;
     double resist = -across * along;
     if (resist < -law->force) resist = -law->force; /* nothing sticks to each other */

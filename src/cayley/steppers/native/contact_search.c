@@ -75,7 +75,7 @@ static void add(struct contacts *c, struct scene *x, i64 a, i64 b, i64 slot)
     memset(t, 0, sizeof *t);
     i64 first = c->owner[a], second = b < c->segments ? c->owner[b] : c->possessor[b - c->segments];
     double other = b < c->segments ? c->radius[b] : 0.0, own = c->radius[a];
-    t->a = a, t->b = b, t->slot = slot, t->mass = mass, t->most = INFINITY;
+    t->a = a, t->b = b, t->slot = slot, t->mass = mass, t->most = t->most_along = INFINITY;
     t->unit = own > 0.0 && (other == 0.0 || own < other) ? own : other > 0.0 ? other : c->clearance;
     t->friction = c->rough[first] > c->rough[second] ? c->rough[first] : c->rough[second];
     t->stiffness = c->per_mass * mass > c->least ? c->per_mass * mass : c->least;
