@@ -64,7 +64,7 @@ def test_it_finds_all_pairs_of_segments(scene):
         size = 10.0 ** random.uniform(-1.5, 0.5) if scene == "many sizes" else 0.2
         rods.append(rod(start, size * random.standard_normal(3), 0.05 * size, elements=1 + k % 5, name=f"r{k}"))
         balls.append(cy.Sphere(0.1 * size, center=tuple(start + random.uniform(-0.3, 0.3, 3))))
-    found, touching = pairs(cy.Model(*rods, obstacles=balls, contact=cy.Contact(self_contact=False)))
+    found, touching = pairs(cy.Model(*rods, obstacles=balls, contact=cy.Contact(friction=0.5, self_contact=False)))
     system = discretize(cy.Model(*rods), cy.rules.verlet)
     places = system.reference[:, system.layout.rows_of("x")]
     first = np.concatenate([[0], np.cumsum([r.elements + 1 for r in rods])])
@@ -96,7 +96,7 @@ def test_neighbors_along_a_rod_do_not_touch_and_others_do():
     element = own.length / 60
     assert apart.min() >= 0.8 * np.pi * radius / element
     assert apart.max() >= 40  # two turns on
-    none, _ = pairs(cy.Model(own, contact=cy.Contact(self_contact=False)))
+    none, _ = pairs(cy.Model(own, contact=cy.Contact(friction=0.5, self_contact=False)))
     assert not none
 
 
