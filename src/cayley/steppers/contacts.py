@@ -15,10 +15,10 @@ SHEAR = 0.3
 """Tangential stiffness for a unit of the normal one: with the lever of a rod's surface, about as fast."""
 RELAX = 0.995
 """Part of an overlap at the start that a step leaves."""
-RECORD = 14
-"""Numbers that are remembered of a contact."""
+HEAD, RECORD = 2, 14
+"""Numbers that are remembered of all contacts, and of each."""
 TOLD = 7
-"""Energy, loss, deepest now in radii, contacts, candidates, searches, deepest so far."""
+"""Energy, loss, deepest now in radii, contacts, candidates, searches (0 at frames), deepest since the last frame."""
 EACH, ROOM = 4, 512
 """Contacts of a segment that memory has room for, and how many more."""
 
@@ -79,7 +79,7 @@ def at_start(system: System, values: np.ndarray, h: float) -> np.ndarray | None:
 def memory_size(system: System) -> int:
     """Length of what is remembered of contacts."""
     assert system.contact is not None
-    return 1 + RECORD * _capacity(system) + system.size * system.layout.dofs
+    return HEAD + RECORD * _capacity(system) + system.size * system.layout.dofs
 
 
 def _capacity(system: System) -> int:
@@ -101,7 +101,7 @@ def make_contacts(system: System, h: float) -> Contacts:
         "force": np.zeros((nodes + 1, layout.dofs)),
         "told": np.zeros(TOLD),
         "blame": np.full(2, -1, dtype=np.int64),
-        "memory": np.zeros(1 + RECORD * _capacity(system)),
+        "memory": np.zeros(HEAD + RECORD * _capacity(system)),
         "nodes": nodes,
         "rows": layout.rows,
         "dofs": layout.dofs,

@@ -15,12 +15,13 @@
 
 static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
 static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
+static const double SLOWER = 3.5;    /* ways of points that bring two segments with their curves nearer by one, less round-off */
 static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */
 static const double LEVER = 0.2;     /* part of the mass that a node has at the surface, where it turns: m r^2/J is up to 4 */
 static const double STEPS = 20.0;    /* steps that a list is to last */
 static const double QUICKER = 1.5;   /* growth of a way from step to step that is reckoned with */
 
-enum { RECORD = 14 };
+enum { HEAD = 2, RECORD = 14 }; /* numbers in front, and of each contact */
 
 static void place_points(const struct contacts *c, const double *values, double *point)
 {
@@ -76,6 +77,7 @@ static void renew(struct contacts *c, struct scene *x)
 {
     double moved = longest(c, x->point, x->listed_point, x->values, x->listed_values);
     x->stride = longest(c, x->point, x->old_point, x->values, x->old_values);
+    x->gone += x->stride;
     if (!isfinite(moved)) return;
     if (2.0 * moved > x->margin) { /* faster than foreseen: from where they came */
         x->margin = 4.0 * QUICKER * x->stride + c->clearance;
@@ -331,8 +333,10 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     if (2.0 * x->stride > SWEEP * unit && isfinite(x->stride) && swept(c, x, unit)) return FAST;
     for (i64 n = 0; n < x->count; n++) {
         struct touch *t = x->touch + n;
+        if (!t->touching && x->gone < t->free) continue;
         if (!look(c, x, t, &seen) || seen.depth <= 0.0) {
             if (t->touching) part_from(c, t);
+            t->free = x->gone + seen.apart / SLOWER;
             continue;
         }
         if (hasty(c, x, t, &seen)) {
@@ -348,6 +352,13 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     return FINISHED;
 }
 
+/* Write down what is told at a frame, without what depends on where calls end: candidates and searches. */
+void tell_contacts(struct contacts *c, double *out)
+{
+    memcpy(out, c->told, 7 * sizeof(double));
+    out[4] = out[5] = c->told[6] = 0.0;
+}
+
 /* Put contacts that touch into memory; returns whether there is room. */
 i64 remember_contacts(struct contacts *c, i64 state)
 {
@@ -357,15 +368,15 @@ i64 remember_contacts(struct contacts *c, i64 state)
         const struct touch *t = x->touch + n;
         if (!t->touching) continue;
         if (count == c->capacity) return 0;
-        double *out = c->memory + 1 + RECORD * count++;
+        double *out = c->memory + HEAD + RECORD * count++;
         out[0] = (double)t->a, out[1] = (double)t->b, out[2] = (double)t->slot;
         memcpy(out + 3, t->slip, sizeof t->slip);
         memcpy(out + 6, t->push, sizeof t->push);
         memcpy(out + 9, t->normal, sizeof t->normal);
         out[12] = t->allowed, out[13] = t->depth;
     }
-    memset(c->memory + 1 + RECORD * count, 0, (size_t)(RECORD * (c->capacity - count)) * sizeof(double));
-    c->memory[0] = (double)count;
+    memset(c->memory + HEAD + RECORD * count, 0, (size_t)(RECORD * (c->capacity - count)) * sizeof(double));
+    c->memory[0] = (double)count, c->memory[1] = x->stride;
     return 1;
 }
 
@@ -373,7 +384,7 @@ static void recall(struct contacts *c, struct scene *x)
 {
     i64 k = 0, count = (i64)c->memory[0];
     for (i64 n = 0; n < x->count && k < count; n++) {
-        const double *in = c->memory + 1 + RECORD * k;
+        const double *in = c->memory + HEAD + RECORD * k;
         struct touch *t = x->touch + n;
         if (t->a != (i64)in[0] || t->b != (i64)in[1] || t->slot != (i64)in[2]) continue;
         t->touching = 1;
@@ -406,7 +417,7 @@ i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
     take(c, x, values);
     list_near(c, x);
     keep_places(c, x);
-    if (recalled) recall(c, x);
+    if (recalled) recall(c, x), x->stride = c->memory[1];
     else {
         if (c->relax > 0.0) allow(c, x);
         touch_all(c, (i64)x, values, 1.0);

@@ -153,10 +153,10 @@ struct contacts {
     double clearance;    /* of what the search lists at first [m] */
     i64 state;           /* address of what is kept between evaluations */
     double *force;       /* on the nodes, left-trivialized, [nodes + 1][dofs] */
-    double *told;        /* energy; loss so far; deepest now, in radii; contacts; candidates; searches; deepest so far, [7] */
+    double *told;        /* energy; loss; deepest now, in radii; contacts; candidates; searches; deepest since the last frame, [7] */
     i64 *blame;          /* number of segment and of partner (solids behind segments) of the deepest or the failure, [2] */
     i64 capacity;        /* contacts that memory has room for */
-    double *memory;      /* contacts of the last evaluation, [1 + capacity * 14] */
+    double *memory;      /* contacts of the last evaluation, [2 + capacity * 14] */
 };
 
 struct problem {
@@ -331,6 +331,7 @@ i64 overstrained(struct problem *p, double time, double h);
 /* contact.c */
 i64 begin_contacts(struct contacts *c, const double *values, i64 recalled);
 i64 touch_all(struct contacts *c, i64 state, const double *values, double h);
+void tell_contacts(struct contacts *c, double *out);
 i64 remember_contacts(struct contacts *c, i64 state);
 i64 view_contacts(struct contacts *c, const double *values, i64 most, double *out);
 void end_contacts(i64 state);

@@ -255,7 +255,8 @@ static i64 step(struct problem *p, i64 number, double begin)
 {
     i64 values = (p->nodes + 1) * p->rows, tries = 0;
     p->counts[2] = number;
-    if (p->contacts && renew(p, 0)) return NOT_CONVERGED;
+    /* after a frame lists are new, so that a run that goes on from there has the same */
+    if (p->contacts && renew(p, number % p->stride == 0)) return NOT_CONVERGED;
     if (!solve_step(p, number, begin)) return NOT_CONVERGED;
     while (p->contacts && outran(p)) /* the list was too short: once more, with a longer one */
         if (++tries > LONGER || renew(p, 1) || !solve_step(p, number, begin)) return NOT_CONVERGED;
@@ -308,8 +309,8 @@ i64 advance(struct problem *p, i64 *reached)
             write_rates(p, number + (p->warm ? (i64)p->first : 0), p->rates + *reached * p->nodes * p->dofs);
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         if (p->contacts) {
-            const struct contacts *c = p->contacts;
-            memcpy(p->contact_told + 7 * *reached, c->told, 7 * sizeof(double));
+            struct contacts *c = p->contacts;
+            tell_contacts(c, p->contact_told + 7 * *reached);
             memcpy(p->contact_force + *reached * c->nodes * c->dofs, c->force, (size_t)(c->nodes * c->dofs) * sizeof(double));
         }
         double check = 0.0, *frame = p->frames + *reached * p->nodes * (p->rows + p->dofs);
