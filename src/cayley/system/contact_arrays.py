@@ -85,7 +85,7 @@ class _Draft:
     def add_segments(self, ends: np.ndarray, owner: int, *, tail: np.ndarray, **more: Any) -> None:
         """Add segments between points."""
         count = len(ends)
-        given = {"radius": 0.0, "along": -1, "reach": 0, "round": 1} | more
+        given = {"radius": 0.0, "length": 0.0, "along": -1, "reach": 0, "round": 1} | more
         beyond = given.pop("beyond", np.full((count, 2), -1))
         columns = {"ends": ends, "beyond": beyond, "owner": np.full(count, owner), "tail": tail}
         columns |= {name: np.broadcast_to(value, (count,)) for name, value in given.items()}
@@ -153,7 +153,9 @@ def _add_rod(draft: _Draft, owner: int, nodes: slice, places: np.ndarray, radius
     tail[-1] = 3
     beyond = ends + np.array([-1, 1])
     beyond[0, 0] = beyond[-1, 1] = -1
-    draft.add_segments(ends, owner, radius=radius, along=np.arange(count), reach=reach, tail=tail, beyond=beyond)
+    draft.add_segments(
+        ends, owner, radius=radius, length=lengths, along=np.arange(count), reach=reach, tail=tail, beyond=beyond
+    )
 
 
 def _add_shape(draft: _Draft, owner: int, node: int, shape: Obstacle, *, edged: bool) -> None:
@@ -229,7 +231,7 @@ def _arrays(draft: _Draft) -> dict[str, np.ndarray]:
         "node": np.concatenate([*draft.node, np.zeros(0, dtype=np.int64)]),
         "offset": np.concatenate([*draft.offset, np.zeros((0, 3))]),
     }
-    for name in ("ends", "beyond", "radius", "owner", "along", "reach", "round", "tail"):
+    for name in ("ends", "beyond", "radius", "length", "owner", "along", "reach", "round", "tail"):
         empty = np.zeros((0, 2) if name in ("ends", "beyond") else 0)
         found[name] = np.concatenate([*draft.segments.get(name, []), empty])
     for name, shape in (

@@ -23,7 +23,7 @@ ACCURACY = 1e-5
 """Largest error of positions from steps in time, over the extent, of a motion that is the result itself."""
 LARGEST = 0.99
 """Largest part of the limit of explicit steps."""
-RESTING = 1e-4
+RESTING = 2e-4
 """Speed, in rod lengths per second, below which a run that only settles has come to rest [1/s]."""
 STATICS, DAMPED, MOTION, TOUCHING = "statics", "damped run", "motion", "motion with contact"
 

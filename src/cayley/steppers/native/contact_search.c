@@ -6,6 +6,7 @@
 #include "contact.h"
 
 static const double LARGE = 4.0;     /* what is so many cells long is compared with everything instead */
+static const double CHORD = 0.25;    /* part of a radius that is left to chords on a cylinder */
 static const double CELL = 1.5;      /* size of a cell in mean sizes of boxes */
 
 struct entry {
@@ -81,6 +82,14 @@ static void add(struct contacts *c, struct scene *x, i64 a, i64 b, i64 slot)
     t->stiffness = c->per_mass * mass > c->least ? c->per_mass * mass : c->least;
 }
 
+/* Whether segments of a rod around a cylinder are so short that their nodes alone touch it: chords of a rod that bends around
+ * it would lie in it no deeper than a part of its radius. */
+static i64 bends_around(const struct contacts *c, i64 segment, i64 solid)
+{
+    double length = c->length[segment], radius = c->radius[segment];
+    return length * length <= 8.0 * CHORD * radius * (c->size[18 * solid] + radius);
+}
+
 static void add_on_solid(struct contacts *c, struct scene *x, i64 a, i64 solid)
 {
     i64 kind = c->kind[solid], b = c->segments + solid;
@@ -89,6 +98,7 @@ static void add_on_solid(struct contacts *c, struct scene *x, i64 a, i64 solid)
     if (c->tail[a] & 1) add(c, x, a, b, START);
     if (c->tail[a] & 2) add(c, x, a, b, END);
     if (kind == PLANE || c->ends[2 * a] == c->ends[2 * a + 1]) return;
+    if (kind == CYLINDER && c->along[a] >= 0 && bends_around(c, a, solid)) return;
     for (i64 k = 0; k < (kind == TRIANGLE ? 3 : 1); k++)
         if (kind != TRIANGLE || c->size[18 * solid + 12 + k] != 0.0) add(c, x, a, b, INSIDE + k);
 }

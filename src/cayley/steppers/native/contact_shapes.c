@@ -245,16 +245,6 @@ static double lowest(i64 kind, const double *size, const double *a, const double
     return clamp(0.5 * (low + high) + between(&before, &behind, u, f), 1e-8, 1.0 - 1e-8);
 }
 
-/* How much deeper than a rod that bends around a cylinder its chord may lie at s of it. */
-static double sunk(const struct contacts *c, const struct scene *x, i64 segment, double s, double uu, double around)
-{
-    if (c->along[segment] < 0) return 0.0;
-    double p[4][3];
-    about(c, x, segment, p);
-    double bend = uu / around, known = 8.0 * sagging(p), most = 0.75 * s * (1.0 - s) * (known < bend ? known : bend);
-    return most < c->radius[segment] ? most : c->radius[segment];
-}
-
 /* A corner of a body above the face of a box touches that face, even at its very border, where another face is nearer. */
 static i64 above_face(const struct contacts *c, const struct scene *x, const struct touch *t, const double *corner, struct field *f)
 {
@@ -278,14 +268,13 @@ static i64 above_face(const struct contacts *c, const struct scene *x, const str
     return 1;
 }
 
-/* The point of a segment that a slot means, in the frame of the solid, and its distance; how much deeper its chord may
- * lie. Returns whether there is one. */
+/* The point of a segment that a slot means, in the frame of the solid, and its distance. Returns whether there is
+ * one. */
 static i64 where_on(const struct contacts *c, const struct scene *x, const struct touch *t, const double *a, const double *u,
-                    double *s, double *chord, struct field *f)
+                    double *s, struct field *f)
 {
     i64 solid = t->b - c->segments, kind = c->kind[solid], known = 0;
     const double *size = c->size + 18 * solid;
-    *chord = 0.0;
     if (t->slot == START || t->slot == END) {
         *s = t->slot == END ? 1.0 : 0.0;
     } else if (kind == TRIANGLE) { /* (s, along) inside both */
@@ -298,7 +287,6 @@ static i64 where_on(const struct contacts *c, const struct scene *x, const struc
         double uu = u[0] * u[0] + u[1] * u[1];
         if (uu == 0.0) return 0;
         *s = -(a[0] * u[0] + a[1] * u[1]) / uu; /* beside it */
-        if (*s > 0.0 && *s < 1.0) *chord = sunk(c, x, t->a, *s, uu, size[0] + c->radius[t->a]);
     } else *s = lowest(kind, size, a, u, f), known = 1;
     if (t->slot >= INSIDE && (*s <= 1e-9 || *s >= 1.0 - 1e-9)) return 0;
     if (known) return 1;
@@ -320,19 +308,19 @@ static i64 look_at_solid(const struct contacts *c, const struct scene *x, const 
     i64 solid = t->b - c->segments, kind = c->kind[solid];
     const double *pose = x->pose + 12 * solid, radius = c->radius[t->a];
     const double *first = x->point + 3 * c->ends[2 * t->a], *second = x->point + 3 * c->ends[2 * t->a + 1];
-    double a[3], u[3], local[3], way[3], s, chord;
+    double a[3], u[3], local[3], way[3], s;
     for (i64 k = 0; k < 3; k++) a[k] = first[k] - pose[k], u[k] = second[k] - first[k];
     times_transposed(pose + 3, a, local);
     times_transposed(pose + 3, u, way);
     struct field f;
-    if (!where_on(c, x, t, local, way, &s, &chord, &f)) return 0;
-    seen->depth = radius - chord - f.value;
+    if (!where_on(c, x, t, local, way, &s, &f)) return 0;
+    seen->depth = radius - f.value;
     if (kind == TRIANGLE && seen->depth > 2.0 * radius + t->unit) return 0; /* the back of a thin sheet */
     times(pose + 3, f.slope, seen->normal);
     times(pose + 3, f.axis, seen->axis);
     seen->bend = f.bend, seen->count_b = 0, seen->inside = 0;
     stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
-    seen->distance = f.value, seen->arm_a = radius - chord - seen->depth, seen->arm_b = 0.0;
+    seen->distance = f.value, seen->arm_a = f.value, seen->arm_b = 0.0;
     for (i64 k = 0; k < 3; k++) {
         seen->gap[k] = seen->normal[k] * f.value;
         seen->place[k] = first[k] + s * u[k] - seen->normal[k] * seen->arm_a;
@@ -413,6 +401,15 @@ static void stand_curved(const struct contacts *c, i64 segment, double s, i64 *c
         if (w[k] != 0.0) point[*count] = all[k], weight[(*count)++] = w[k];
 }
 
+/* Whether the rod that goes on behind the end at s of its segment p touches instead: where it is nearer there, and of two
+ * that are alike the one before the point. Both would push off along the rod, and roll off what should hold them. */
+static i64 hands_on(const struct contacts *c, i64 segment, double p[4][3], double s, const double *gap, double sign)
+{
+    if (s <= 0.0) return c->beyond[2 * segment] >= 0;
+    if (s < 1.0 || c->beyond[2 * segment + 1] < 0) return 0;
+    return sign * (gap[0] * (p[3][0] - p[2][0]) + gap[1] * (p[3][1] - p[2][1]) + gap[2] * (p[3][2] - p[2][2])) < 0.0;
+}
+
 /* Segments touch as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the curve that
  * rounds it does. */
 static i64 look_at_segment(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
@@ -444,6 +441,9 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
     distance = sqrt(square);
     seen->depth = sum - distance, seen->distance = distance;
     if (seen->depth <= 0.0) return 0;
+    /* with friction both stay: what sticks to one is not to be forgotten when the other is nearer by a hair */
+    i64 other = hands_on(c, t->a, p, s, seen->gap, 1.0) || hands_on(c, t->b, q, r, seen->gap, -1.0);
+    if (t->friction == 0.0 && other) return 0;
     for (i64 k = 0; k < 3; k++) seen->normal[k] = distance > 0.0 ? seen->gap[k] / distance : t->normal[k];
     seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
     seen->arm_a = c->radius[t->a] - 0.5 * seen->depth, seen->arm_b = c->radius[t->b] - 0.5 * seen->depth;

@@ -124,6 +124,7 @@ struct contacts {
     i64 *ends;           /* points, [segments][2] */
     i64 *beyond;         /* the points before and behind them in a rod, or -1, [segments][2] */
     double *radius;      /* [segments] */
+    double *length;      /* at rest, [segments] */
     i64 *owner;          /* the rod or shape it is of, [segments] */
     i64 *along;          /* its number along that, [segments] */
     i64 *reach;          /* segments of one owner nearer than this do not touch; 0: none do, [segments] */
