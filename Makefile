@@ -56,7 +56,7 @@ docs-links: $(VENV)/.docs $(VENV)/.engine
 	$(BIN)/sphinx-build --quiet --builder linkcheck -D plot_gallery=0 docs docs/_build/links
 
 # The peers live in environments of their own, benchmarks/.venv-peers and .venv-suite, which the scripts make.
-BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep assembly statics cosseratbench report
+BENCHMARKS = limit pyelastica quaternion_matrix wait implicit_cost steel_wire work_precision heavy_top sweep assembly statics contact cosseratbench report
 
 bench: $(VENV)/.dev $(VENV)/.engine
 	@set -e; for name in $(BENCHMARKS); do echo "benchmarks/$$name.py"; $(BIN)/python benchmarks/$$name.py; done

@@ -55,7 +55,8 @@ def measured(rods: int, steps: int, repeats: int) -> dict[str, Any]:
 
     times = paired(lambda: run(True), lambda: run(False), repeats)
     own = last[True]
-    told, segments = own.frames.contact[-1], rods * ELEMENTS
+    segments = rods * ELEMENTS
+    candidates, search = _search(own, repeats)
     extra = np.median(times.first) - np.median(times.second)
     balance = own.energy_balance
     return {
@@ -65,27 +66,27 @@ def measured(rods: int, steps: int, repeats: int) -> dict[str, Any]:
         "step_s": spread(times.first),
         "step_without_contact_s": spread(times.second),
         "ratio": spread(times.ratios),
-        "candidates": int(told[4]),
-        "contacts": int(told[3]),
-        "searches": int(own.frames.contact[1:, 5].max()),
-        "contact_ns_per_candidate": 1e9 * extra / told[4],
-        "contact_ns_per_segment": 1e9 * extra / segments,
-        "search_ns_per_segment": 1e9 * _search(own, repeats) / segments,
+        "candidates": candidates,
+        "contacts": int(own.contacts.number[-1]),
+        "contact_ns_per_candidate": float(1e9 * extra / candidates),
+        "contact_ns_per_segment": float(1e9 * extra / segments),
+        "search_ns_per_segment": 1e9 * search / segments,
         "deepest_radii": float(own.contacts.deepest[-1]),
         "defect_of_energy": float(abs(balance.defect).max() / abs(balance.dissipated).max()),
     }
 
 
-def _search(run: cy.Trajectory, repeats: int) -> float:
-    """Seconds of one search with the forces of one step."""
-    found = []
+def _search(run: cy.Trajectory, repeats: int) -> tuple[int, float]:
+    """Candidates, and seconds of one search with the forces of one step."""
+    found, count = [], 0
     for _ in range(repeats + 1):
         made = make_contacts(run.system, run.dt)
         began = time.perf_counter()
         made.begin(run.state.values, None)
         found.append(time.perf_counter() - began)
+        count = int(made.arrays["told"][4])
         made.end()
-    return min(found)
+    return count, min(found)
 
 
 def main() -> None:

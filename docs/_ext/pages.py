@@ -45,6 +45,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "Interrupted",
         "WriteError",
         "DamageWarning",
+        "ContactDepthWarning",
     ),
     "Statics and vibration": (
         "equilibrium",

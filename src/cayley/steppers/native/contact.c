@@ -15,6 +15,7 @@
 
 static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
 static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
+static const double SLOWER = 3.5;    /* ways of points that bring two segments with their curves nearer by one, less round-off */
 static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */
 static const double LEVER = 0.2;     /* part of the mass that a node has at the surface, where it turns: m r^2/J is up to 4 */
 static const double STEPS = 20.0;    /* steps that a list is to last */
@@ -76,6 +77,7 @@ static void renew(struct contacts *c, struct scene *x)
 {
     double moved = longest(c, x->point, x->listed_point, x->values, x->listed_values);
     x->stride = longest(c, x->point, x->old_point, x->values, x->old_values);
+    x->gone += x->stride;
     if (!isfinite(moved)) return;
     if (2.0 * moved > x->margin) { /* faster than foreseen: from where they came */
         x->margin = 4.0 * QUICKER * x->stride + c->clearance;
@@ -331,8 +333,10 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     if (2.0 * x->stride > SWEEP * unit && isfinite(x->stride) && swept(c, x, unit)) return FAST;
     for (i64 n = 0; n < x->count; n++) {
         struct touch *t = x->touch + n;
+        if (!t->touching && x->gone < t->free) continue;
         if (!look(c, x, t, &seen) || seen.depth <= 0.0) {
             if (t->touching) part_from(c, t);
+            t->free = x->gone + seen.apart / SLOWER;
             continue;
         }
         if (hasty(c, x, t, &seen)) {

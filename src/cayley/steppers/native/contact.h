@@ -19,6 +19,7 @@ struct touch {
     double normal[3];
     double depth;
     double allowed;   /* what is left of an overlap at the start */
+    double free;      /* way of all points, see gone in struct scene, up to which it can't touch */
     double most, most_along; /* of the forces of dampers, across and along, for a way in a step that explicit steps take [N/m] */
 };
 
@@ -32,6 +33,7 @@ struct seen {
     i64 inside;       /* whether both centers are between the ends of their segments */
     double gap[3];    /* from the point of b to that of a, centers of segments */
     double distance;  /* its length, with its sign */
+    double apart;     /* how far two segments that do not touch are from it, else 0 */
     double arm_a, arm_b; /* from the centers to the contact along the normal */
     double place[3];  /* of the contact */
     double bend;      /* 1/distance from the feature that is touched, and */
@@ -47,6 +49,7 @@ struct scene {
     i64 *crowd;       /* contacts on each node at the evaluation before, [nodes + 1] */
     double margin;
     double stride;    /* largest way of a point since the evaluation before */
+    double gone;      /* sum of these */
     double loss;      /* by friction and damping in a step of an implicit rule */
     i64 listed;       /* 1: as explicit rules want it, 2: as implicit ones do */
 };

@@ -328,6 +328,18 @@ static i64 look_at_solid(const struct contacts *c, const struct scene *x, const 
     return 1;
 }
 
+/* How far the curve of a segment is beyond its chord at most, along part times a way. */
+static double hollow(double p[4][3], const double *way, double part)
+{
+    double first = 0.0, second = 0.0;
+    for (i64 k = 0; k < 3; k++) {
+        first += part * way[k] * (p[0][k] - 2.0 * p[1][k] + p[2][k]);
+        second += part * way[k] * (p[1][k] - 2.0 * p[2][k] + p[3][k]);
+    }
+    double most = first > second ? first : second;
+    return most > 0.0 ? 0.125 * most : 0.0;
+}
+
 /* The quadratic B-spline of a rod's points along a segment: weights of the four points about it, and their slopes and
  * second derivatives. It touches every segment in its middle. */
 static void spline(double s, double *w, double *slope, double *second)
@@ -407,10 +419,14 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
     for (i64 k = 0; k < 3; k++) u[k] = p[2][k] - p[1][k], v[k] = q[2][k] - q[1][k];
     closest(p[1], u, q[1], v, &s, &r);
     for (i64 k = 0; k < 3; k++) seen->gap[k] = p[1][k] + s * u[k] - q[1][k] - r * v[k];
-    double sum = c->radius[t->a] + c->radius[t->b], square = DOT(seen->gap, seen->gap);
-    double round = sagging(p) + sagging(q), near = sum + round;
-    seen->depth = sum - sqrt(square);
-    if (square >= near * near) return 0;
+    double sum = c->radius[t->a] + c->radius[t->b], square = DOT(seen->gap, seen->gap), distance = sqrt(square);
+    double round = distance > 0.0 ? hollow(p, seen->gap, -1.0 / distance) + hollow(q, seen->gap, 1.0 / distance) : sagging(p) + sagging(q);
+    seen->depth = sum - distance, seen->apart = 0.0;
+    if (distance >= sum + round) {
+        double most = sagging(p) + sagging(q); /* however it turns */
+        seen->apart = distance > sum + most ? distance - sum - most : 0.0;
+        return 0;
+    }
     double on_a = s, on_b = r, curved = round > 0.0 ? nearest(p, q, &on_a, &on_b, gap) : INFINITY;
     if (curved < square) {
         square = curved, s = on_a, r = on_b;
@@ -421,7 +437,8 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
         stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
         stand(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
     }
-    double distance = sqrt(square), center[3] = {0.0, 0.0, 0.0};
+    double center[3] = {0.0, 0.0, 0.0};
+    distance = sqrt(square);
     seen->depth = sum - distance, seen->distance = distance;
     if (seen->depth <= 0.0) return 0;
     /* with friction both stay: what sticks to one is not to be forgotten when the other is nearer by a hair */
@@ -441,5 +458,6 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
 /* How two partners touch; returns whether there is anything to be seen: depth may be negative then. */
 i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
 {
+    seen->apart = 0.0;
     return t->b < c->segments ? look_at_segment(c, x, t, seen) : look_at_solid(c, x, t, seen);
 }
