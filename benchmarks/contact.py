@@ -33,9 +33,7 @@ def pile(rods: int, *, contact: bool) -> tuple[cy.Model, dict[Any, Any]]:
         offset, height = 0.9 * LENGTH * ((place + 0.5) / across - 0.5), RADIUS * (2 * layer + 1)
         start = (-0.5 * LENGTH, offset, height) if layer % 2 else (offset, -0.5 * LENGTH, height)
         direction = (1, 0, 0) if layer % 2 else (0, 1, 0)
-        rod = cy.Rod(
-            section, length=LENGTH, origin=start, direction=direction, elements=ELEMENTS, name=f"rod{k}"
-        )
+        rod = cy.Rod(section, length=LENGTH, origin=start, direction=direction, elements=ELEMENTS, name=f"rod{k}")
         initial[rod] = {"velocity": np.broadcast_to(0.05 * random.standard_normal(3), (ELEMENTS + 1, 3))}
         made.append(rod)
     gravity = [cy.loads.gravity((0, 0, -9.81))]

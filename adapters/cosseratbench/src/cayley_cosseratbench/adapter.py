@@ -16,7 +16,7 @@ from cayley.model.settling import settling, slowest_frequency
 from cayley.simulation import advise
 from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
-from cayley_cosseratbench.start import element_directors, pieces
+from cayley_cosseratbench.start import CHORD, HUG, element_directors, pieces
 from cayley_cosseratbench.translate import Translation, driven, touches, translate
 
 ACCURACY = 1e-5
@@ -121,8 +121,8 @@ class CayleySolver:
             rule = cy.rules.galerkin(time=2, space=2)
             return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
         rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
-        crossing = touches(scenario) and not scenario.obstacles
-        cut = max(pieces(spec, n_elements) for spec in scenario.rods) if crossing else 1
+        near = HUG if scenario.obstacles else CHORD
+        cut = max(pieces(spec, n_elements, near) for spec in scenario.rods) if touches(scenario) else 1
         return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, cut * n_elements, cut)
 
     def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:

@@ -13,7 +13,7 @@ from cayley.lie import quaternion
 from cayley.model.settling import slowest_frequency
 from cayley_cosseratbench.start import node_frames
 
-LYING = 8.0
+LYING = 5.0
 """Rate of the damping of what lies still at the end, over the slowest frequency."""
 MEETS = 1e-9
 """Distance and angle up to which the straight rod stands where the scenario has a driven end [m, rad]."""
