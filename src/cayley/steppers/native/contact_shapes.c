@@ -407,7 +407,9 @@ static i64 hands_on(const struct contacts *c, i64 segment, double p[4][3], doubl
 {
     if (s <= 0.0) return c->beyond[2 * segment] >= 0;
     if (s < 1.0 || c->beyond[2 * segment + 1] < 0) return 0;
-    return sign * (gap[0] * (p[3][0] - p[2][0]) + gap[1] * (p[3][1] - p[2][1]) + gap[2] * (p[3][2] - p[2][2])) < 0.0;
+    double way[3] = {p[3][0] - p[2][0], p[3][1] - p[2][1], p[3][2] - p[2][2]};
+    double nearer = -sign * DOT(gap, way); /* more than by round-off: that one may say the same of this one */
+    return nearer > 1e-9 * sqrt(DOT(gap, gap) * DOT(way, way));
 }
 
 /* Segments touch as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the curve that
@@ -441,9 +443,9 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
     distance = sqrt(square);
     seen->depth = sum - distance, seen->distance = distance;
     if (seen->depth <= 0.0) return 0;
-    /* with friction both stay: what sticks to one is not to be forgotten when the other is nearer by a hair */
+    /* with friction both stay: what sticks to one, or may overlap, is not to be forgotten when the other is nearer by a hair */
     i64 other = hands_on(c, t->a, p, s, seen->gap, 1.0) || hands_on(c, t->b, q, r, seen->gap, -1.0);
-    if (t->friction == 0.0 && other) return 0;
+    if (t->friction == 0.0 && c->relax == 0.0 && other) return 0;
     for (i64 k = 0; k < 3; k++) seen->normal[k] = distance > 0.0 ? seen->gap[k] / distance : t->normal[k];
     seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
     seen->arm_a = c->radius[t->a] - 0.5 * seen->depth, seen->arm_b = c->radius[t->b] - 0.5 * seen->depth;
