@@ -11,8 +11,8 @@ SMOOTH = 0.2
 """Angle between two segments of a centerline up to which it samples a smooth curve; else it has a corner [rad]."""
 
 CHORD, HUG, MOST = 0.05, 0.2, 9
-"""Largest distance of a chord from the curve it is of, in radii, at the start, where rods touch rods, and where they touch
-obstacles, on which nodes rest; and most pieces of an element."""
+"""Largest distance of a chord from the curve it is of, in radii, at the start, where rods touch rods, and where they
+touch obstacles, on which nodes rest; and most pieces of an element."""
 
 
 def node_frames(spec: suite.Rod, elements: int, degree: int = 1) -> tuple[np.ndarray, np.ndarray]:
