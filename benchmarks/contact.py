@@ -1,7 +1,8 @@
-"""Cost of contact: a pile of crossed layers of rods that lie on each other, of 40, 200 and 1000 rods of 50 elements.
+"""Cost of contact: a pile of crossed layers of rods that lie on each other, 40, 200 and 1000 rods of 50 elements.
 
-Every rod crosses all rods of the layers above and below it and touches them; the ground holds the lowest layer. Each pile
-runs the same steps with contact and without it, in turn; the difference is what contact costs. The search is timed alone.
+Every rod crosses all rods of the layers above and below it and touches them; the ground holds the lowest layer. Each
+pile runs the same steps with contact and without it, in turn; the difference is what contact costs. The search is
+timed alone.
 Beside the times: what the run with contact loses of its energy balance, and how deep contacts are.
 """
 
@@ -25,7 +26,7 @@ RUBBER = cy.Material(density=1200.0, youngs_modulus=5e6, poisson_ratio=0.4)
 
 def pile(rods: int, *, contact: bool) -> tuple[cy.Model, dict[Any, Any]]:
     """A pile and its start: rods that move a little, each its own way."""
-    across, layers = PILES[rods]
+    across, _ = PILES[rods]
     random, section = np.random.default_rng(1), cy.Section.circle(RADIUS, RUBBER)
     made, initial = [], {}
     for k in range(rods):

@@ -1,5 +1,7 @@
 """The rubber pendulum: tip error at 1 s against the time it takes, for six rules, PyElastica and EXUDYN.
 
+One of the rules runs with the residual bending of rods, too.
+
 Every program gets finer meshes with finer steps: explicit ones the largest stable step, implicit ones a step that
 shrinks with the element. The time to reach an error is that of the cheapest run from which on all finer ones keep it;
 beyond the finest run it is extrapolated by the order of the last two, and marked. A program is measured against the
@@ -35,6 +37,8 @@ SPECTRAL = {
     4: ((2, 1.25e-4), (3, 1.24e-4), (7, 1.16e-4), (15, 9.4e-5), (23, 7e-5)),
 }
 """Meshes and steps of the rules spectral [s], by degree: cells that fill vectors, near the limit of stability."""
+BENDING = ((15, 5.2e-4), (23, 3.5e-4), (47, 1.98e-4), (95, 1.3e-4), (191, 6.9e-5), (383, 3.4e-5))
+"""Meshes and steps of verlet with residual bending [s]: nodes that fill vectors, near the limit of stability."""
 BLOWN_UP = 0.5
 """Tip error above which a run counts as failed [m]."""
 FARTHEST = 10.0
@@ -63,13 +67,13 @@ class Series:
     run: Callable[[int, float], Run]
 
 
-def pendulum(rule: cy.rules.Rule) -> Callable[[int, float], Run]:
-    """A function that runs the rubber pendulum under a rule."""
+def pendulum(rule: cy.rules.Rule, **more: Any) -> Callable[[int, float], Run]:
+    """A function that runs the rubber pendulum under a rule; more: of the rod."""
     rubber = cy.Material(density=1100.0, youngs_modulus=5e6, poisson_ratio=0.5)
     section = cy.Section.circle(5e-3, rubber, shear_correction=27 / 28)
 
     def run(elements: int, dt: float) -> Run:
-        rod = cy.Rod(section, length=1.0, direction=(1, 0, 0), normal=(0, 1, 0), elements=elements)
+        rod = cy.Rod(section, length=1.0, direction=(1, 0, 0), normal=(0, 1, 0), elements=elements, **more)
         model = cy.Model(rod, supports=[cy.supports.pin(rod.start)], loads=[cy.loads.gravity((0, 0, -9.81))])
         try:
             made = cy.simulate(model, t_end=T_END, dt=dt, rule=rule, save_every=T_END)
@@ -91,6 +95,7 @@ def our_series() -> tuple[Series, ...]:
     high = {2: doubled(5, 0.02, 4), 3: ((4, 0.025), (5, 0.02), (6, 0.016), (8, 0.0125), (12, 0.008))}
     return (
         Series("verlet", True, False, doubled(12, 1.04e-3, 8, longest=1.25e-4), pendulum(cy.rules.verlet)),
+        Series("verlet, residual bending", True, False, BENDING, pendulum(cy.rules.verlet, residual_bending=True)),
         *(
             Series(f"spectral({m})", True, False, cases, pendulum(cy.rules.spectral(space=m)))
             for m, cases in SPECTRAL.items()

@@ -13,7 +13,7 @@ from cayley.cli.force_build import damping_of
 from cayley.model import Material, Rod, Section
 
 _OF_CURVES = ("normal", "twist")
-_OF_ALL = ("kinematics", "stretched", "name")
+_OF_ALL = ("kinematics", "stretched", "residual_bending", "name")
 
 
 def make_section(table: Any, materials: Mapping[str, Material]) -> Section:

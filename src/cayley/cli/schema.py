@@ -154,6 +154,7 @@ class RodTable(Table):
         None, description="positive numbers in brackets, one an element"
     )
     stretched: float = Field(1.0, gt=0, description="a positive number [-]")
+    residual_bending: bool = Field(False, description="true or false")
     kinematics: Literal["shearable", "unshearable", "inextensible"] = Field(
         "shearable", description='"shearable", "unshearable" or "inextensible"'
     )

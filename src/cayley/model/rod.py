@@ -42,6 +42,9 @@ class Rod(Part):
         spacing: lengths of the elements, in any unit, for their sum is brought to the length; None: all the same.
         shape: the axis and the frames without stress, of a rod that is not straight; then origin and direction are
             those of its first node, and there is no normal.
+        residual_bending: give the shear of an element what a beam bends between its ends more than a straight line,
+            1/GA* = 1/GA + ds²/(12 EI): a straight rod is then exact at nodes that forces bend, and coarse slender rods
+            take longer explicit steps; shear strains have that bending with them.
         stretched: how many times as long as without stress the rod is at the start, all of it about the first node.
         origin: position of the first node [m].
         direction: of the axis, from the first node to the last; given with any length, kept as a unit vector.
@@ -67,6 +70,7 @@ class Rod(Part):
     spacing: tuple[float, ...] | None = None
     shape: Shape | None = None
     stretched: float = 1.0
+    residual_bending: bool = False
     damping: Damping | None = None
     name: str = ""
 
@@ -89,6 +93,11 @@ class Rod(Part):
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "normal", normal)
         object.__setattr__(self, "stretched", validate.positive(owner, "stretched", self.stretched, "-"))
+        if not isinstance(self.residual_bending, bool):
+            raise TypeError(validate.wrong(owner, "residual_bending", self.residual_bending, "True or False"))
+        if self.residual_bending and self.kinematics != "shearable":
+            right = f'False, for a rod that is "{self.kinematics}" has no shear to take it'
+            raise ValueError(validate.wrong(owner, "residual_bending", True, right))
         if self.spacing is not None:
             right = f"{self.elements} positive numbers, one an element"
             shares = validate.array(owner, "spacing", self.spacing, (self.elements,), right)

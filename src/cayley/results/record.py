@@ -149,6 +149,7 @@ def _rod_record(rod: Rod) -> dict[str, Any]:
         **({} if rod.kinematics == "shearable" else {"kinematics": rod.kinematics}),
         **({} if rod.spacing is None else {"spacing": list(rod.spacing)}),
         **({} if rod.stretched == 1.0 else {"stretched": rod.stretched}),
+        **({"residual_bending": True} if rod.residual_bending else {}),
         **({} if rod.shape is None else {"shape": _shape_record(rod.shape)}),
         **({} if rod.damping is None else {"damping": damping_record(rod.damping)}),
     }

@@ -111,12 +111,41 @@ def _stiffnesses(rod: Rod, rule: Rule) -> dict[str, np.ndarray]:
     """Stiffness of what is not constrained, at every strain point; a rule of corners takes that of the middle."""
     first = CONSTRAINED[rod.kinematics]
     section = rod.stations
+    if rod.residual_bending and rule.degree > 1:
+        raise ValueError(
+            f"{rod.label} has residual_bending, but elements of degree {rule.degree} ({rule}) bend themselves; leave it "
+            "out"
+        )
+    if isinstance(section, Section) and rod.residual_bending:
+        return {"stiffness": _at_first_nodes(_with_bending(np.asarray(section.stiffness), rod.element_lengths), 1)}
     if isinstance(section, Section):
         own = np.asarray(section.stiffness)[first:, first:]
         return {"stiffness": _everywhere(own, rod.elements * rule.degree + 1)}
     places = (0.5,) if rule.strain.between_ends else rule.strain.at
     found = section.at("stiffness", np.array(places))[..., first:, first:]
+    if rod.residual_bending:
+        found = np.stack([_with_bending(found[:, g], rod.element_lengths) for g in range(len(places))], axis=1)
     return {name_at("stiffness", g): _at_first_nodes(found[:, g], rule.degree) for g in range(len(places))}
+
+
+def _with_bending(stiffness: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Stiffness of elements whose shear has the residual bending flexibility, shape (elements, 6, 6).
+
+    Between its ends a beam with shear forces N bends by M = s e3 × N about the middle: per length the compliance
+    F_ΓΓ + ds²/12 Kᵀ F_ΩΩ K, K = e3 ×.
+
+    Args:
+        stiffness: of a section, shape (6, 6), or of those of all elements.
+        lengths: ds [m], shape (elements,).
+
+    Source: MacNeal (1978), A simple quadrilateral shell element, section 3.
+    """
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    compliance = np.broadcast_to(np.linalg.inv(stiffness), (len(lengths), 6, 6)).copy()
+    bent = turn.T @ compliance[:, 3:, 3:] @ turn
+    compliance[:, :3, :3] += lengths[:, None, None] ** 2 / 12.0 * bent
+    found: np.ndarray = np.linalg.inv(compliance)
+    return found
 
 
 def _references(rod: Rod, rule: Rule, position: np.ndarray, rotation: np.ndarray) -> dict[str, np.ndarray]:
