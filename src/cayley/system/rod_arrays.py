@@ -113,8 +113,8 @@ def _stiffnesses(rod: Rod, rule: Rule) -> dict[str, np.ndarray]:
     section = rod.stations
     if rod.residual_bending and rule.degree > 1:
         raise ValueError(
-            f"{rod.label} has residual_bending, but elements of degree {rule.degree} ({rule}) bend themselves; leave it "
-            "out"
+            f"{rod.label} has residual_bending, but elements of degree {rule.degree} ({rule}) bend themselves; leave "
+            "it out"
         )
     if isinstance(section, Section) and rod.residual_bending:
         return {"stiffness": _at_first_nodes(_with_bending(np.asarray(section.stiffness), rod.element_lengths), 1)}
