@@ -1,7 +1,7 @@
 """Cost of contact: a pile of crossed layers of rods that lie on each other, of 40, 200 and 1000 rods of 50 elements.
 
-Every rod crosses all rods of the layers above and below it and touches them; the ground holds the lowest layer. Each pile
-runs the same steps with contact and without it, in turn; the difference is what contact costs. The search is timed alone.
+Every rod touches all rods of the layers above and below it; the ground holds the lowest layer. Each pile runs the same steps
+with contact and without it, in turn; the difference is what contact costs. The search is timed alone.
 Beside the times: what the run with contact loses of its energy balance, and how deep contacts are.
 """
 
@@ -25,7 +25,7 @@ RUBBER = cy.Material(density=1200.0, youngs_modulus=5e6, poisson_ratio=0.4)
 
 def pile(rods: int, *, contact: bool) -> tuple[cy.Model, dict[Any, Any]]:
     """A pile and its start: rods that move a little, each its own way."""
-    across, layers = PILES[rods]
+    across, _ = PILES[rods]
     random, section = np.random.default_rng(1), cy.Section.circle(RADIUS, RUBBER)
     made, initial = [], {}
     for k in range(rods):
@@ -33,9 +33,7 @@ def pile(rods: int, *, contact: bool) -> tuple[cy.Model, dict[Any, Any]]:
         offset, height = 0.9 * LENGTH * ((place + 0.5) / across - 0.5), RADIUS * (2 * layer + 1)
         start = (-0.5 * LENGTH, offset, height) if layer % 2 else (offset, -0.5 * LENGTH, height)
         direction = (1, 0, 0) if layer % 2 else (0, 1, 0)
-        rod = cy.Rod(
-            section, length=LENGTH, origin=start, direction=direction, elements=ELEMENTS, name=f"rod{k}"
-        )
+        rod = cy.Rod(section, length=LENGTH, origin=start, direction=direction, elements=ELEMENTS, name=f"rod{k}")
         initial[rod] = {"velocity": np.broadcast_to(0.05 * random.standard_normal(3), (ELEMENTS + 1, 3))}
         made.append(rod)
     gravity = [cy.loads.gravity((0, 0, -9.81))]
