@@ -1,8 +1,7 @@
-"""Cost of contact: a pile of crossed layers of rods that lie on each other, 40, 200 and 1000 rods of 50 elements.
+"""Cost of contact: a pile of crossed layers of rods that lie on each other, of 40, 200 and 1000 rods of 50 elements.
 
-Every rod crosses all rods of the layers above and below it and touches them; the ground holds the lowest layer. Each
-pile runs the same steps with contact and without it, in turn; the difference is what contact costs. The search is
-timed alone.
+Every rod touches all rods of the layers above and below it; the ground holds the lowest layer. Each pile runs the same
+steps with contact and without it, in turn; the difference is what contact costs. The search is timed alone.
 Beside the times: what the run with contact loses of its energy balance, and how deep contacts are.
 """
 

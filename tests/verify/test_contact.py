@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cayley as cy
-from cayley import loads
+from cayley import damping, loads
 from cayley.lie import quaternion
 from verify.problems import assert_order
 
@@ -193,3 +193,45 @@ def test_a_run_goes_on_bit_for_bit(tmp_path):
         assert np.array_equal(getattr(resumed.frames, name), getattr(whole.frames, name)), name
     on = cy.Trajectory.open(tmp_path / "run")
     assert np.array_equal(on.contacts.energy.values, whole.contacts.energy.values)
+
+
+def test_a_pile_of_200_rods_comes_down_and_stays_within_its_walls():
+    random, radius, length, side = np.random.default_rng(1), 0.004, 0.06, 5
+    section = cy.Section.circle(radius, cy.Material(density=1200.0, youngs_modulus=5e6, poisson_ratio=0.4))
+    rods = []
+    for k in range(200):
+        angle, (layer, place) = random.uniform(0.0, np.pi), divmod(k, side**2)
+        way = np.array([np.cos(angle), np.sin(angle), 0.1 * random.uniform(-1.0, 1.0)])
+        center = 0.07 * (np.array([*divmod(place, side), 0.0]) - (side // 2) * np.array([1, 1, 0]))
+        start = center + np.array([0, 0, 0.01 + 0.02 * layer]) - 0.5 * length * way / np.linalg.norm(way)
+        rods.append(
+            cy.Rod(
+                section,
+                length=length,
+                origin=tuple(start),
+                direction=tuple(way),
+                elements=1,
+                damping=damping.retardation(2e-4),
+                name=f"r{k}",
+            )
+        )
+    wall = 0.035 * side + 0.01
+    walls = [
+        cy.Plane(point=tuple(-wall * np.array(n)), normal=n) for n in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
+    ]
+    model = cy.Model(
+        *rods,
+        loads=[loads.gravity((0, 0, -GRAVITY))],
+        obstacles=[cy.Plane(), *walls],
+        contact=cy.Contact(friction=0.4, damping=0.3),
+    )
+    run = cy.simulate(model, 0.6, save_every=0.03)
+    kinetic, places = run.kinetic_energy.values, run.frames.values[-1][:, run.outline.layout.rows_of("x")]
+    assert kinetic[-1] < 0.05 * kinetic.max()
+    assert run.contacts.number[-1] > 250
+    assert run.contacts.deepest[-1] < 0.1
+    assert places[:, 2].min() > 0.95 * radius
+    assert places[:, 2].max() < 0.06  # from 0.15 m
+    assert np.abs(places[:, :2]).max() < wall - 0.95 * radius
+    balance = run.energy_balance
+    assert np.abs(balance.defect.values).max() < 0.01 * balance.dissipated.values[-1]

@@ -113,3 +113,44 @@ def test_a_twisted_rod_with_slack_coils_up_without_passing_through_itself():
     found = assert_not_through(run[rod].position.values, radius, 5)
     assert found[-1] > 0.8
     assert run.contacts.number.max() >= 2
+
+
+TIP = np.array([[0, 0, 0.06], [0.05, 0, -0.03], [-0.03, 0.04, -0.03], [-0.03, -0.04, -0.03]])
+FACES = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
+FLYING = {
+    "ball": lambda body: cy.Sphere(0.02, on=body),
+    "box": lambda body: cy.Box((0.06, 0.05, 0.04), on=body),
+    "cylinder": lambda body: cy.Cylinder(0.02, 0.05, on=body),
+    "tetrahedron": lambda body: cy.Mesh(TIP, FACES, on=body),
+}
+STRUCK = {
+    "plate": cy.Box((0.6, 0.6, 0.004)),
+    "sheet": SHEET,
+    "ball": cy.Sphere(0.02, center=(0.012, 0.021, 0)),
+    "box": cy.Box((0.05, 0.05, 0.05), center=(0.012, 0.021, 0)),
+}
+
+
+@pytest.mark.filterwarnings("ignore::cayley.ContactDepthWarning")
+@pytest.mark.parametrize("target", STRUCK)
+@pytest.mark.parametrize("shape", FLYING)
+def test_fast_bodies_do_not_pass_through_and_make_no_energy(shape, target):
+    turn = np.array([0.8, 0.3, 0.4, 0.33])
+    body = cy.Body(
+        mass=0.2,
+        inertia=[2e-4, 3e-4, 4e-4],
+        position=(0.01, 0.02, 0.3),
+        rotation=turn / np.linalg.norm(turn),
+        name="body",
+    )
+    model = cy.Model(
+        body,
+        loads=[loads.gravity((0, 0, -9.81))],
+        obstacles=[FLYING[shape](body), STRUCK[target]],
+        contact=cy.Contact(friction=0.2),
+    )
+    run = cy.simulate(model, 0.006, save_every=1e-4, initial={body: {"velocity": (0, 0, -100.0)}})
+    assert run.contacts.deepest[-1] > 0.0
+    assert run[body].position.values[:, 2].min() > 0.0
+    balance = run.energy_balance
+    assert np.abs(balance.defect.values).max() < 0.05 * run.energy.values[0]

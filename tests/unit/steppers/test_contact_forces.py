@@ -19,7 +19,6 @@ ROOF = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, -1, 0.4], [
 VALLEY = ROOF * np.array([1.0, 1.0, -1.0])
 """and a valley."""
 SLOPES = [[1, 2, 5], [1, 5, 4], [0, 4, 5], [0, 5, 3]]
-GUTTER = [[a, c, b] for a, b, c in SLOPES]
 
 
 def rod(start, way, elements=2, name="rod"):
@@ -111,7 +110,7 @@ ON_SHAPES = {
     "box corner": (BOX, (0.1 + 0.005, 0.08 + 0.005, 0.05 + 0.005), (0.1, 0.1, 0.1), 1),
     "mesh face": (cy.Mesh(ROOF, SLOPES), (0.05, 0.06, 0.06 + 1.1 * SUNK), (0.05, 0.0, 0.1), 1),
     "mesh edge": (cy.Mesh(ROOF, SLOPES), (-0.06, 0.03, 0.08 + SUNK), (0.16, 0.05, 0.0), 1),
-    "mesh valley": (cy.Mesh(VALLEY, GUTTER), (0.0, 0.03, -0.08 + 0.9 * RADIUS), (0.0, 0.02, 0.1), 2),
+    "mesh valley": (cy.Mesh(VALLEY, SLOPES), (0.0, 0.03, -0.08 + 0.9 * RADIUS), (0.0, 0.02, 0.1), 2),
 }
 
 

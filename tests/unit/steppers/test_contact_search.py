@@ -129,8 +129,9 @@ def outside(shape, points):
 
 
 def test_it_finds_all_solids_and_how_deep_they_are_touched():
-    """A little deep only: inside it is the faces that count. Elements so short that they bend around a cylinder touch
-    it with their nodes alone, and may lie deeper between them.
+    """A little deep only: inside it is the faces that count.
+
+    Elements so short that they bend around a cylinder touch it with their nodes alone, and may lie deeper between them.
     """
     random = np.random.default_rng(3)
     shapes = [cy.Box((8, 7, 9), center=(0, 0, -4.55)), cy.Cylinder(3.0, 9.0, center=(3.4, 0, 0), axis=(0, 1, 0.1))]

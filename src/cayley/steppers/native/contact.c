@@ -13,7 +13,7 @@
 #include "contact.h"
 #include "contact_laws.h"
 
-static const double FASTEST = 0.3;   /* part of a radius by which partners that touch may come nearer in a step */
+static const double FASTEST = 0.2;   /* part of a radius by which partners that touch may come nearer in a step */
 static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
 static const double SLOWER = 3.5;    /* ways of points that bring two segments with their curves nearer by one, less round-off */
 static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */

@@ -315,7 +315,10 @@ static i64 look_at_solid(const struct contacts *c, const struct scene *x, const 
     struct field f;
     if (!where_on(c, x, t, local, way, &s, &f)) return 0;
     seen->depth = radius - f.value;
-    if (kind == TRIANGLE && seen->depth > 2.0 * radius + t->unit) return 0; /* the back of a thin sheet */
+    if (kind == TRIANGLE) { /* what was not in contact comes from its outer side: else it is the back, or what is behind it */
+        double most = t->touching ? 2.0 * radius + t->unit : radius > 0.0 ? radius : 0.5 * t->unit;
+        if (seen->depth > most) return 0;
+    }
     times(pose + 3, f.slope, seen->normal);
     times(pose + 3, f.axis, seen->axis);
     seen->bend = f.bend, seen->count_b = 0, seen->inside = 0;
