@@ -226,8 +226,31 @@ static double between(const struct field *before, const struct field *behind, co
     return nearer;
 }
 
+/* Where an edge that is deepest at an end leaves a box by another face, before its other end: it lies over that edge of the
+ * box however it is tilted. Else that end. */
+static double leaves(i64 kind, const double *size, const double *a, const double *u, double end, struct field *f)
+{
+    struct field first, last;
+    double in = end, out = 1.0 - end, x[3];
+    for (i64 k = 0; k < 3; k++) x[k] = a[k] + in * u[k];
+    field_at(kind, size, x, &first);
+    for (i64 k = 0; k < 3; k++) x[k] = a[k] + out * u[k];
+    field_at(kind, size, x, &last);
+    if (kind != BOX || first.value >= 0.0 || last.value <= 0.0) return end;
+    for (i64 pass = 0; pass < 40; pass++) {
+        double s = 0.5 * (in + out);
+        for (i64 k = 0; k < 3; k++) x[k] = a[k] + s * u[k];
+        field_at(kind, size, x, f);
+        if (DOT(f->slope, first.slope) > 1.0 - 1e-12) in = s;
+        else out = s, last = *f;
+    }
+    if (f->value >= 0.0 || in == end) return end;
+    double more = end == 0.0 ? between(&first, &last, u, f) : between(&last, &first, u, f);
+    return clamp(0.5 * (in + out) + more, 1e-8, 1.0 - 1e-8);
+}
+
 /* Where along a + s u the distance from a convex solid is least: its rate rises. Along a face ends are as near. */
-static double lowest(i64 kind, const double *size, const double *a, const double *u, struct field *f)
+static double lowest(i64 kind, const double *size, const double *a, const double *u, i64 edge_of_solid, struct field *f)
 {
     double low = 0.0, high = 1.0;
     struct field before, behind;
@@ -235,12 +258,15 @@ static double lowest(i64 kind, const double *size, const double *a, const double
         double s = 0.5 * (low + high), x[3] = {a[0] + s * u[0], a[1] + s * u[1], a[2] + s * u[2]};
         field_at(kind, size, x, f);
         double rate = DOT(f->slope, u);
-        if (rate == 0.0) return f->bend > 0.0 ? s : 0.0;
+        if (rate == 0.0 && f->bend > 0.0) return s;
         if (rate < 0.0) low = s, before = *f;
         else high = s, behind = *f;
         if (high - low < 1e-12) break;
     }
-    if (low == 0.0 || high == 1.0) return low == 0.0 ? 0.0 : 1.0;
+    if (low == 0.0 || high == 1.0) {
+        double end = low == 0.0 ? 0.0 : 1.0;
+        return edge_of_solid ? leaves(kind, size, a, u, end, f) : end;
+    }
     if (f->value >= 0.0) return 0.5 * (low + high);
     return clamp(0.5 * (low + high) + between(&before, &behind, u, f), 1e-8, 1.0 - 1e-8);
 }
@@ -287,7 +313,7 @@ static i64 where_on(const struct contacts *c, const struct scene *x, const struc
         double uu = u[0] * u[0] + u[1] * u[1];
         if (uu == 0.0) return 0;
         *s = -(a[0] * u[0] + a[1] * u[1]) / uu; /* beside it */
-    } else *s = lowest(kind, size, a, u, f), known = 1;
+    } else *s = lowest(kind, size, a, u, c->radius[t->a] == 0.0, f), known = 1;
     if (t->slot >= INSIDE && (*s <= 1e-9 || *s >= 1.0 - 1e-9)) return 0;
     if (known) return 1;
     double at[3] = {a[0] + *s * u[0], a[1] + *s * u[1], a[2] + *s * u[2]};
