@@ -1,8 +1,8 @@
 """A rope over a cylinder
 ======================
 
-A rope hangs over a fixed cylinder, further down on one side. Friction holds it up to an overhang that the capstan equation
-tells, with the weight of the rope on the cylinder; beyond it slides, and falls off.
+A rope hangs over a fixed cylinder, further down on one side. Friction holds it up to an overhang that the capstan
+equation tells, with the weight of the rope on the cylinder; beyond it slides, and falls off.
 """
 
 # %%

@@ -1,8 +1,8 @@
 """A rope dropped on the floor
 ===========================
 
-A rope is let go over a floor, comes down, folds and lies on itself: contact with the floor and with itself, friction that
-sticks, and a balance of energy that closes.
+A rope is let go over a floor, comes down, folds and lies on itself: contact with the floor and with itself, friction
+that sticks, and a balance of energy that closes.
 """
 
 # %%
