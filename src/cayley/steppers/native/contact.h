@@ -59,9 +59,35 @@ struct scene {
     ((c)[0] = (a)[1] * (b)[2] - (a)[2] * (b)[1], (c)[1] = (a)[2] * (b)[0] - (a)[0] * (b)[2],                        \
      (c)[2] = (a)[0] * (b)[1] - (a)[1] * (b)[0])
 
+static inline void times(const double *m, const double *v, double *out)
+{
+    for (i64 k = 0; k < 3; k++) out[k] = DOT(m + 3 * k, v);
+}
+
+static inline void times_transposed(const double *m, const double *v, double *out)
+{
+    for (i64 k = 0; k < 3; k++) out[k] = m[k] * v[0] + m[3 + k] * v[1] + m[6 + k] * v[2];
+}
+
+static inline double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* A point between the ends of a segment as a mean of them. */
+static inline void stand(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
+{
+    *count = 0;
+    if (s < 1.0) point[*count] = c->ends[2 * segment], weight[(*count)++] = 1.0 - s;
+    if (s > 0.0) point[*count] = c->ends[2 * segment + 1], weight[(*count)++] = s;
+}
+
+/* contact_solids.c */
+void place_solids(const struct contacts *c, const double *values, double *pose);
+i64 look_at_solid(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen);
+
 /* contact_shapes.c */
 void rotation_matrix(const double *quaternion, double *matrix);
-void place_solids(const struct contacts *c, const double *values, double *pose);
 void closest(const double *a, const double *u, const double *b, const double *v, double *s, double *t);
 i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen);
 
