@@ -13,6 +13,8 @@ from cayley.lie import quaternion
 from cayley.model.settling import slowest_frequency
 from cayley_cosseratbench.start import node_frames
 
+PENETRATION = 0.001
+"""Depth of contacts that is wanted, in radii: rods overlap less than those of the peers."""
 LYING = 5.0
 """Rate of the damping of what lies still at the end, over the slowest frequency."""
 MEETS = 1e-9
@@ -159,7 +161,7 @@ def _contact(scenario: suite.Scenario) -> Any:
     frictions = {rod.friction for rod in scenario.rods}
     if len(frictions) > 1:
         raise NotImplementedError("rods of different friction")
-    return cy.Contact(friction=frictions.pop(), self_contact=scenario.self_contact)
+    return cy.Contact(friction=frictions.pop(), self_contact=scenario.self_contact, penetration=PENETRATION)
 
 
 def _obstacle(given: suite.Obstacle) -> Any:
