@@ -165,3 +165,19 @@ def test_it_finds_all_solids_and_how_deep_they_are_touched():
     assert near.sum() > 40
     np.testing.assert_allclose(deepest[near], 0.04 - far[near], atol=3e-5)
     assert np.all(deepest[far > 0.0401] == -np.inf)
+
+
+def test_elements_at_a_joint_leave_each_other_alone_and_others_touch():
+    """A rod that is folded back at a hinge: it touches what it is hinged to, but not beside the hinge."""
+    length, elements = 0.4, 8
+    there = rod((0, 0, 0), (length, 0, 0), 0.01, elements=elements, name="there")
+    back = rod((length, 0, 0), (-length, 0, 0.005), 0.01, elements=elements, name="back")
+    hinge = cy.joints.hinge(there.end, back.start, axis=(0, 1, 0))
+    rough = cy.Contact(friction=0.1)
+    found, touching = pairs(cy.Model(there, back, joints=[hinge], contact=rough))
+    free, _ = pairs(cy.Model(there, back, contact=rough))
+    along = touching.arrays["along"]
+    assert {(along[a], along[b]) for a, b in free - found} == {(elements - 1, 0)}
+    assert {(along[a], along[b]) for a, b in found} >= {(elements - 2, 1), (0, elements - 1)}
+    smooth, _ = pairs(cy.Model(there, back, joints=[hinge], contact=cy.Contact()))
+    assert {(along[a], along[b]) for a, b in smooth} == {(elements - 2, 0)}  # nearest of all that may touch

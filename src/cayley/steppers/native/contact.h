@@ -92,6 +92,7 @@ void closest(const double *a, const double *u, const double *b, const double *v,
 i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen);
 
 /* contact_search.c */
+i64 segments_may(const struct contacts *c, i64 a, i64 b);
 i64 search(struct contacts *c, struct scene *x);
 double touch_mass(const struct contacts *c, i64 a, i64 b, i64 slot);
 
@@ -103,6 +104,7 @@ struct foot {
 
 /* contact.c: the rest is in engine.h */
 double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others);
+void take(struct contacts *c, struct scene *x, const double *values);
 void take_places(const struct contacts *c, struct scene *x);
 void keep_places(const struct contacts *c, struct scene *x);
 void list_near(struct contacts *c, struct scene *x);

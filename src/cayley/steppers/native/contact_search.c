@@ -44,7 +44,7 @@ static i64 strangers(const struct contacts *c, i64 a, i64 b)
 }
 
 /* Whether two segments, a < b, may touch. */
-static i64 segments_may(const struct contacts *c, i64 a, i64 b)
+i64 segments_may(const struct contacts *c, i64 a, i64 b)
 {
     if (!c->round[a] || !c->round[b]) return 0;
     if (c->owner[a] == c->owner[b]) {

@@ -136,15 +136,20 @@ static void stand_curved(const struct contacts *c, i64 segment, double s, i64 *c
         if (w[k] != 0.0) point[*count] = all[k], weight[(*count)++] = w[k];
 }
 
-/* Whether the rod that goes on behind the end at s of its segment p touches instead: where it is nearer there, and of two
- * that are alike the one before the point. Both would push off along the rod, and roll off what should hold them. */
-static i64 hands_on(const struct contacts *c, i64 segment, double p[4][3], double s, const double *gap, double sign)
+static i64 allowed(const struct contacts *c, i64 a, i64 b)
 {
-    if (s <= 0.0) return c->beyond[2 * segment] >= 0;
+    return a < b ? segments_may(c, a, b) : segments_may(c, b, a);
+}
+
+/* Whether the rod that goes on behind the end at s of its segment p touches another instead: where it is nearer there, and of
+ * two that are alike the one before the point. Both would push off along the rod, and roll off what should hold them. */
+static i64 hands_on(const struct contacts *c, i64 segment, i64 other, double p[4][3], double s, const double *gap, double sign)
+{
+    if (s <= 0.0) return c->beyond[2 * segment] >= 0 && allowed(c, segment - 1, other);
     if (s < 1.0 || c->beyond[2 * segment + 1] < 0) return 0;
     double way[3] = {p[3][0] - p[2][0], p[3][1] - p[2][1], p[3][2] - p[2][2]};
     double nearer = -sign * DOT(gap, way); /* more than by round-off: that one may say the same of this one */
-    return nearer > 1e-9 * sqrt(DOT(gap, gap) * DOT(way, way));
+    return nearer > 1e-9 * sqrt(DOT(gap, gap) * DOT(way, way)) && allowed(c, segment + 1, other);
 }
 
 /* Segments touch as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the curve that
@@ -179,7 +184,7 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
     seen->depth = sum - distance, seen->distance = distance;
     if (seen->depth <= 0.0) return 0;
     /* with friction both stay: what sticks to one, or may overlap, is not to be forgotten when the other is nearer by a hair */
-    i64 other = hands_on(c, t->a, p, s, seen->gap, 1.0) || hands_on(c, t->b, q, r, seen->gap, -1.0);
+    i64 other = hands_on(c, t->a, t->b, p, s, seen->gap, 1.0) || hands_on(c, t->b, t->a, q, r, seen->gap, -1.0);
     if (t->friction == 0.0 && c->relax == 0.0 && other) return 0;
     for (i64 k = 0; k < 3; k++) seen->normal[k] = distance > 0.0 ? seen->gap[k] / distance : t->normal[k];
     seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
