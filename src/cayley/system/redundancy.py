@@ -1,18 +1,24 @@
-"""Which constraints of joints follow from others and from supports: they have no unique forces, and steppers fail."""
+"""Which constraints of joints follow from others and from supports: they have no unique forces, and steppers fail.
+
+SciPy is imported where joints are looked at: models without any do not wait for it.
+"""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array, lil_array
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import lsqr, splu
 
 from cayley.density.expression import symbols, to_sx
 from cayley.discrete.joint import DIRECTIONS, evaluator, joint_program
 from cayley.discrete.layout import Layout
 from cayley.discrete.node import tangent
 from cayley.system.couplings import Coupling, joint_inputs
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 TOLERANCE = 1e-8
 """Of a row of length one, what is left outside the span of others below this is round-off."""
@@ -41,6 +47,8 @@ def redundant(layout: Layout, values: np.ndarray, free: np.ndarray, joints: Sequ
     """
     if not joints:
         return []
+    from scipy.sparse import csr_array, lil_array
+
     scale = np.ones(layout.dofs)
     scale[layout.dofs_of("x")] = _length(layout, values)
     slopes = joint_slopes(layout, values, joints)
@@ -97,6 +105,9 @@ def _length(layout: Layout, values: np.ndarray) -> float:
 
 def _components(joints: Sequence[Coupling], free: np.ndarray) -> list[list[int]]:
     """Joints that hang together by nodes that can move."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     edges = [(k, node) for k, joint in enumerate(joints) for node in _nodes(joint) if free[node].any()]
     count = len(joints)
     rows, columns = [k for k, _ in edges], [count + node for _, node in edges]
@@ -111,6 +122,9 @@ def _components(joints: Sequence[Coupling], free: np.ndarray) -> list[list[int]]
 
 def _dependencies(matrix: csr_array) -> list[list[int]]:
     """Sets of rows one of which, the last, follows from the others; alone: from supports."""
+    from scipy.sparse import csr_array, diags_array
+    from scipy.sparse.linalg import lsqr
+
     size = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).reshape(-1))
     found = [[int(k)] for k in np.flatnonzero(size < TOLERANCE)]
     rows = np.flatnonzero(size >= TOLERANCE)
@@ -142,6 +156,9 @@ def _by_projection(unit: csr_array) -> list[int]:
 
 def _by_pivots(unit: csr_array) -> list[int]:
     """The same for many rows, by pivots of G Gᵀ, which are the squares of what is left."""
+    from scipy.sparse import csc_array, eye_array
+    from scipy.sparse.linalg import splu
+
     shifted = csc_array(unit @ unit.T + 1e-15 * eye_array(unit.shape[0]))
     factor = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     pivots = np.abs(factor.U.diagonal())

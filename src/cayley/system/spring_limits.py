@@ -1,11 +1,12 @@
 """Springs and dampers in the linearization that the step limit is about."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import coo_array, csc_array, hstack
-from scipy.sparse.linalg import eigsh
 
 from cayley.density.expression import symbols, to_sx
 from cayley.discrete.joint import evaluator
@@ -16,6 +17,9 @@ from cayley.lie import quaternion, skew
 from cayley.system.couplings import Elastic
 from cayley.system.redundancy import ground_values
 from cayley.system.system import System
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 SHORT = 1e-3
 """A linear spring shorter than this part of its unstressed length may point anywhere after a step."""
@@ -56,6 +60,8 @@ def spring_columns(system: System, values: np.ndarray, roots: np.ndarray) -> tup
             raise FloatingPointError(f"a {kind} spring has no finite derivatives here")
         stiff.append(_columns(stiffness, ends, roots))
         damped.append(_columns(damping, ends, roots))
+    from scipy.sparse import csc_array, hstack
+
     return csc_array(hstack(stiff)), csc_array(hstack(damped))
 
 
@@ -65,6 +71,8 @@ def largest(columns: csc_array) -> float:
     if gram.shape[0] <= DENSE:
         return float(np.linalg.eigvalsh(gram.toarray()).max(initial=0.0)) * (1.0 + 1e-9)
     start = np.random.default_rng(0).normal(size=gram.shape[0])
+    from scipy.sparse.linalg import eigsh
+
     return float(eigsh(gram, k=1, v0=start, tol=1e-5, return_eigenvectors=False)[0]) * 1.001
 
 
@@ -146,6 +154,8 @@ def _columns(matrices: np.ndarray, ends: np.ndarray, roots: np.ndarray) -> csc_a
     entries = vectors.transpose(0, 2, 1)[which, what] * np.sqrt(eigenvalues[which, what])[:, None]
     places = (ends[:, :, None] * d + np.arange(d)).reshape(count, -1)[which]
     column = np.broadcast_to(np.arange(len(which))[:, None], entries.shape)
+    from scipy.sparse import coo_array, csc_array
+
     return csc_array(coo_array((entries.ravel(), (places.ravel(), column.ravel())), shape=(n * d, len(which))))
 
 

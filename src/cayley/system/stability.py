@@ -1,8 +1,11 @@
 """The step limit of explicit rules: a guaranteed bound of the highest frequency of the linearized system."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_array
 
 from cayley.density.expression import symbols, to_sx, wrap
 from cayley.discrete.element import element_forces
@@ -16,6 +19,9 @@ from cayley.system.damping import Matrices, forced_matrices
 from cayley.system.spring_limits import largest, spring_columns
 from cayley.system.system import System, joined
 from cayley.system.turned import as_quaternions, embedded
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 SHARPNESS = 1.02
 DENSE = 400
