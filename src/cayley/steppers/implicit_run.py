@@ -152,6 +152,7 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     reached = ctypes.c_int64(0)
     code = made.engine.advance(ctypes.byref(made.struct), ctypes.byref(reached))
     if touching is not None and touching.failure is not None:
+        touching.contacts.end()
         raise touching.failure
     outcome, counts = list(Outcome)[code], made.arrays["counts"]
     if outcome is Outcome.REDUNDANT:
