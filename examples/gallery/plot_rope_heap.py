@@ -40,5 +40,5 @@ print(f"dissipated {float(balance.dissipated[-1]):.4f} J, defect {float(np.abs(b
 assert float(np.abs(balance.defect).max()) < 0.02 * float(balance.dissipated[-1])
 assert float(run.contacts.deepest[-1]) < 0.1
 
-run.plot.snapshots()
-figures.energy(run)
+figure = run.plot.snapshots()
+figures.balance(run)
