@@ -138,7 +138,7 @@ def _with_bending(stiffness: np.ndarray, lengths: np.ndarray) -> np.ndarray:
         stiffness: of a section, shape (6, 6), or of those of all elements.
         lengths: ds [m], shape (elements,).
 
-    Source: MacNeal (1978), A simple quadrilateral shell element, section 3.
+    Source: MacNeal (1978), A simple quadrilateral shell element, on residual bending flexibility.
     """
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     compliance = np.broadcast_to(np.linalg.inv(stiffness), (len(lengths), 6, 6)).copy()
