@@ -7,14 +7,12 @@ files say: wall time, metrics, observations, settings. It takes the peers ten mi
 
 import argparse
 import json
-import os
 import subprocess
-import venv
 from pathlib import Path
 from typing import Any
 
 from harness import HERE, ROOT, skip, write
-from peer import versions
+from peer import environment, versions
 
 EXPERIMENTS = ("cantilever", "catenary", "pendulum", "twist", "crossing", "capstan", "pile")
 SOLVERS = ("cayley", "pyelastica", "mujoco")
@@ -36,19 +34,9 @@ KEPT = (
 
 def suite_python() -> Path:
     """Interpreter that has the suite, its solvers, cayley and the adapter."""
-    given = os.environ.get("COSSERATBENCH_PYTHON")
-    if given:
-        return Path(given)
-    python = VENV / "bin" / "python"
-    if not (VENV / ".done").exists():
-        print(f"setting up {VENV}, once")
-        venv.create(VENV, with_pip=True, clear=True)
-        pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-        wanted = [["-r", str(HERE / "peers" / "suite.txt")], ["-e", str(ROOT)], ["-e", str(ADAPTER)]]
-        if any(subprocess.run([*pip, *one], check=False).returncode for one in wanted):
-            skip("cosseratbench could not be installed; give an interpreter that has all in $COSSERATBENCH_PYTHON")
-        (VENV / ".done").touch()
-    return python
+    suite = ["-r", str(HERE / "peers" / "suite.txt")]
+    ours = [["-e", str(ROOT)], ["-e", str(ADAPTER)]]
+    return environment("COSSERATBENCH_PYTHON", VENV, suite, *ours, what="cosseratbench")
 
 
 def run(python: Path, experiments: list[str], solvers: list[str], vary: list[str], out: Path, *, force: bool) -> None:

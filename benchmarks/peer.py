@@ -4,13 +4,14 @@ import json
 import math
 import os
 import subprocess
+import venv
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness import HERE, distance
+from harness import HERE, distance, skip
 
 PROGRAMS = HERE / "peers"
 
@@ -68,6 +69,29 @@ def peer(python: Path, program: str) -> Iterator[Peer]:
         yield Peer(process)
         if process.stdin is not None:
             process.stdin.close()
+
+
+def environment(variable: str, folder: Path, *wanted: Sequence[str], what: str) -> Path:
+    """Interpreter that has what is wanted: the one a variable names, or that of an environment made at first use.
+
+    Args:
+        variable: environment variable, which names an interpreter.
+        folder: of the environment; an installation that did not end is begun again.
+        wanted: arguments of pip install, one call after the other.
+        what: name of what is installed, for who reads that it could not be.
+    """
+    given = os.environ.get(variable)
+    if given:
+        return Path(given)
+    python = folder / "bin" / "python"
+    if not (folder / ".done").exists():
+        print(f"setting up {folder}, once")
+        venv.create(folder, with_pip=True, clear=True)
+        pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+        if any(subprocess.run([*pip, *one], check=False).returncode for one in wanted):
+            skip(f"{what} could not be installed; give an interpreter that has it in ${variable}")
+        (folder / ".done").touch()
+    return python
 
 
 def versions(python: Path, *packages: str) -> dict[str, str]:

@@ -7,16 +7,15 @@ programs take turns.
 
 import argparse
 import json
-import os
 import subprocess
-import venv
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness import HERE, distance, paired, skip, spread, write
+from harness import HERE, distance, paired, spread, write
+from peer import environment
 
 import cayley as cy
 
@@ -78,18 +77,8 @@ class Peer:
 
 def peer_python() -> Path:
     """Interpreter that has PyElastica: $PYELASTICA_PYTHON, or that of an environment made here at first use."""
-    given = os.environ.get("PYELASTICA_PYTHON")
-    if given:
-        return Path(given)
-    python = VENV / "bin" / "python"
-    if not (VENV / ".done").exists():
-        print(f"setting up {VENV}, once")
-        venv.create(VENV, with_pip=True, clear=True)
-        pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-        if subprocess.run([*pip, "-r", str(HERE / "peers" / "requirements.txt")], check=False).returncode:
-            skip("PyElastica could not be installed; give an interpreter that has it in $PYELASTICA_PYTHON")
-        (VENV / ".done").touch()
-    return python
+    wanted = ["-r", str(HERE / "peers" / "requirements.txt")]
+    return environment("PYELASTICA_PYTHON", VENV, wanted, what="PyElastica")
 
 
 @contextmanager

@@ -8,7 +8,9 @@ import numpy as np
 
 from cayley.discrete.layout import Layout
 from cayley.steppers.native import address, fill, library
+from cayley.steppers.outcome import Outcome
 from cayley.system.contact_limits import SOFT, inverse_masses, stiffness
+from cayley.system.redundancy import ground_values
 from cayley.system.system import System
 
 SHEAR = 0.3
@@ -60,6 +62,24 @@ class Contacts:
         if not remember(ctypes.byref(self.struct), ctypes.c_int64(self.struct.state)):
             return None
         return np.concatenate([self.arrays["memory"], self.arrays["force"][:-1].reshape(-1)])
+
+    def close(self, outcome: Outcome, memory: np.ndarray) -> tuple[Outcome, np.ndarray, str]:
+        """End a call of a stepper: its outcome, what a state remembers with that of contacts, and who went too fast.
+
+        Args:
+            outcome: how the call ended without a look at contacts.
+            memory: what the state remembers otherwise, flat.
+        """
+        touching, partners = self.system.contact, ""
+        assert touching is not None
+        if outcome is Outcome.FAST:
+            partners = touching.described(*map(int, self.arrays["blame"]))
+        elif outcome is Outcome.FINISHED:
+            own = self.remember()
+            outcome = Outcome.CROWDED if own is None else outcome
+            memory = memory if own is None else np.concatenate([memory, own])
+        self.end()
+        return outcome, memory, partners
 
     def end(self) -> None:
         """Release what C keeps."""
@@ -130,9 +150,7 @@ def make_contacts(system: System, h: float) -> Contacts:
 
 def with_ground(layout: Layout, values: np.ndarray) -> np.ndarray:
     """Values of nodes and, behind them, of the ground."""
-    ground = np.zeros((1, layout.rows))
-    ground[0, layout.rows_of("p").start] = 1.0
-    return np.ascontiguousarray(np.concatenate([values, ground]))
+    return np.ascontiguousarray(np.vstack([values, ground_values(layout)]))
 
 
 def view(system: System, values: np.ndarray, h: float) -> np.ndarray:

@@ -274,19 +274,12 @@ def _advance(
     counts, outcome = made.arrays["counts"], list(Outcome)[code]
     if outcome is Outcome.REDUNDANT:
         counts[3] = plan.nodes[np.flatnonzero(plan.block_of == counts[3])[0]]
-    elif outcome is Outcome.NOT_CONVERGED:
+    elif outcome in (Outcome.NOT_CONVERGED, Outcome.FAST):
         counts[3] = -1
     memory = np.concatenate([np.zeros(0), *(c["start"].reshape(-1) for c in made.couplings)])
     partners = ""
-    if contacts is not None and system.contact is not None:
-        if outcome is Outcome.FAST:
-            partners = system.contact.described(*(int(k) for k in contacts.arrays["blame"]))
-            counts[3] = -1
-        elif outcome is Outcome.FINISHED:
-            own = contacts.remember()
-            outcome = Outcome.CROWDED if own is None else outcome
-            memory = memory if own is None else np.concatenate([memory, own])
-        contacts.end()
+    if contacts is not None:
+        outcome, memory, partners = contacts.close(outcome, memory)
     contact = np.concatenate([told, force.reshape(len(works), -1)], axis=1)
     return _Call(outcome, reached.value, counts, memory, contact, partners)
 

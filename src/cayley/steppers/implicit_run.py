@@ -157,16 +157,12 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     outcome, counts = list(Outcome)[code], made.arrays["counts"]
     if outcome is Outcome.REDUNDANT:
         counts[3] = np.flatnonzero(plan.block_of == counts[3])[0]
+    elif outcome is Outcome.FAST:
+        counts[3] = -1
     memory = np.concatenate([part.reshape(-1) for part in _remembered(made)])
     partners = ""
-    if touching is not None and system.contact is not None:
-        if outcome is Outcome.FAST:
-            partners, counts[3] = system.contact.described(*map(int, touching.contacts.arrays["blame"])), -1
-        elif outcome is Outcome.FINISHED:
-            own = touching.contacts.remember()
-            outcome = Outcome.CROWDED if own is None else outcome
-            memory = memory if own is None else np.concatenate([memory, own])
-        touching.contacts.end()
+    if touching is not None:
+        outcome, memory, partners = touching.contacts.close(outcome, memory)
     contact = np.concatenate([told, force.reshape(len(frames), -1)], axis=1)
     return Advance(outcome, reached.value, counts, memory, made.arrays["history"], work, rates, contact, partners)
 

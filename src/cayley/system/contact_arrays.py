@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from cayley.discrete.layout import Layout
 from cayley.lie import quaternion
 from cayley.model import Model, Rod
 from cayley.model.contact import Contact, contact_radius
 from cayley.model.loads import Gravity
 from cayley.model.shapes import Box, Capsule, Cylinder, Mesh, Obstacle, Plane, Sphere
+from cayley.system.redundancy import ground_values
 
 PLANE, CYLINDER, BOX, TRIANGLE = range(4)
 SIZE = 18
@@ -103,20 +105,21 @@ class _Draft:
             self.solids.setdefault(name, []).append(value)
 
 
-def touching(model: Model, spans: Sequence[slice], reference: np.ndarray, rows: tuple[slice, slice]) -> Touching | None:
+def touching(model: Model, spans: Sequence[slice], reference: np.ndarray, layout: Layout) -> Touching | None:
     """What touches in a model, or None without contact.
 
     Args:
         model: the model.
         spans: nodes of its parts.
         reference: values of all nodes at rest, shape (nodes, rows).
-        rows: of positions and rotations.
+        layout: of the values of a node.
     """
     if model.contact is None:
         return None
     draft, contact = _Draft(ground=len(reference)), model.contact
     by_part = {id(part): nodes for part, nodes in zip(model.parts, spans, strict=True)}
-    places = reference[:, rows[0]]
+    place, turn = layout.rows_of("x"), layout.rows_of("p")
+    places = reference[:, place]
     for owner, rod in enumerate(model.rods):
         _add_rod(draft, owner, by_part[id(rod)], places, contact_radius(model, rod), itself=contact.touches_itself(rod))
     edged = any(shape.on is not None and isinstance(shape, Box | Cylinder | Mesh) for shape in model.obstacles)
@@ -124,10 +127,8 @@ def touching(model: Model, spans: Sequence[slice], reference: np.ndarray, rows: 
         node = draft.ground if shape.on is None else by_part[id(shape.on)].start
         _add_shape(draft, owner, node, shape, edged=edged)
     arrays = _arrays(draft) | _owners(model)
-    ground = np.zeros((1, reference.shape[1]))
-    ground[0, rows[1].start] = 1.0
-    known = np.concatenate([reference, ground])[arrays["node"]]
-    at = known[:, rows[0]] + quaternion.rotate(known[:, rows[1]], arrays["offset"])
+    known = np.vstack([reference, ground_values(layout)])[arrays["node"]]
+    at = known[:, place] + quaternion.rotate(known[:, turn], arrays["offset"])
     arrays["tied"] = _tied(model, arrays, by_part, at[arrays["ends"]])
     movers = int(np.count_nonzero(arrays["node"][arrays["ends"][:, 0]] < draft.ground))
     gravity = sum((np.asarray(g.acceleration) for g in model.loads if isinstance(g, Gravity)), start=np.zeros(3))

@@ -70,8 +70,7 @@ def discretize(model: Model, rule: Rule, *, rotation: str = "quaternion", accoun
     if joints or springs:
         _check_joints(layout, whole.reference, free, joints)
     loads = _loads(model, layout, whole.named["weight"], rule.degree)
-    rows = layout.rows_of("x"), layout.rows_of("p")
-    contact = touching(model, spans(model, rule.degree), whole.reference, rows) if model.contact else None
+    contact = touching(model, spans(model, rule.degree), whole.reference, layout) if model.contact else None
     if contact is not None:
         _check_form(layout, "contact")
     return replace(whole, free=free, loads=loads, joints=joints, springs=springs, contact=contact, account=account)
