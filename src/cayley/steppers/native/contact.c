@@ -14,12 +14,10 @@
 #include "contact_laws.h"
 
 static const double FASTEST = 0.2;   /* part of a radius by which partners that touch may come nearer in a step */
-static const double SWEEP = 0.25;    /* part of a radius: ways in a step that are looked at from place to place */
 static const double SLOWER = 3.5;    /* ways of points that bring two segments with their curves nearer by one, less round-off */
 static const double LATE = 0.5;      /* part of the momentum that all dampers on a node may take in a step */
 static const double LEVER = 0.2;     /* part of the mass that a node has at the surface, where it turns: m r^2/J is up to 4 */
 static const double STEPS = 20.0;    /* steps that a list is to last */
-static const double QUICKER = 1.5;   /* growth of a way from step to step that is reckoned with */
 
 static void place_points(const struct contacts *c, const double *values, double *point)
 {
@@ -291,7 +289,7 @@ static void restrain(const struct contacts *c, const struct scene *x, struct tou
     if (c->radius[t->a] > 0.0) t->most_along *= LEVER;
 }
 
-static double smallest_unit(const struct scene *x)
+double smallest_unit(const struct scene *x)
 {
     double least = INFINITY;
     for (i64 n = 0; n < x->count; n++) least = x->touch[n].unit < least ? x->touch[n].unit : least;

@@ -4,6 +4,9 @@
 
 #include "engine.h"
 
+static const double SWEEP = 0.25;  /* part of a radius: ways in a step that are looked at from place to place */
+static const double QUICKER = 1.5; /* growth of a way from step to step that is reckoned with */
+
 enum solid { PLANE, CYLINDER, BOX, TRIANGLE };
 enum slot { START, END, INSIDE }; /* of a segment on a solid; with a triangle INSIDE + k is along its edge k */
 
@@ -108,6 +111,7 @@ void take(struct contacts *c, struct scene *x, const double *values);
 void take_places(const struct contacts *c, struct scene *x);
 void keep_places(const struct contacts *c, struct scene *x);
 void list_near(struct contacts *c, struct scene *x);
+double smallest_unit(const struct scene *x);
 i64 swept(struct contacts *c, struct scene *x, double unit);
 i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen, double reach,
          struct foot *foot);

@@ -7,8 +7,7 @@
 #include <string.h>
 #include "contact_laws.h"
 
-static const double QUICKER = 1.5; /* growth of a way from step to step that is reckoned with */
-static const double STEPS = 10.0;  /* steps that a list is to last */
+static const double STEPS = 10.0; /* steps that a list is to last */
 
 /* A contact at a stage: force on the first partner, and its derivative by the way of the centers and of the surfaces. */
 struct answer {
@@ -251,12 +250,11 @@ i64 outran(struct problem *p)
 static i64 passed(struct contacts *c, struct scene *x)
 {
     struct seen seen, before;
-    double unit = INFINITY;
-    for (i64 n = 0; n < x->count; n++) unit = x->touch[n].unit < unit ? x->touch[n].unit : unit;
-    if (2.0 * x->stride > 0.25 * unit && swept(c, x, unit)) return 1;
+    double unit = smallest_unit(x);
+    if (2.0 * x->stride > SWEEP * unit && swept(c, x, unit)) return 1;
     struct scene old = *x;
     old.point = x->old_point, old.values = x->old_values;
-    for (i64 n = 0; n < x->count && x->stride > 0.25 * unit; n++) {
+    for (i64 n = 0; n < x->count && x->stride > SWEEP * unit; n++) {
         const struct touch *t = x->touch + n;
         if (t->b >= c->segments || !look(c, x, t, &seen) || seen.depth <= 0.0) continue;
         look(c, &old, t, &before);

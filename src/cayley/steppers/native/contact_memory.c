@@ -4,13 +4,16 @@
 #include "contact.h"
 #include "contact_laws.h"
 
-enum { HEAD = 2, RECORD = 14 }; /* numbers in front, and of each contact */
+enum { HEAD = 2, RECORD = 14, TOLD = 7 }; /* numbers in front, of each contact, and told of all */
 
-/* Write down what is told at a frame, without what depends on where calls end: candidates and searches. */
-void tell_contacts(struct contacts *c, double *out)
+/* Write down what is told at a frame, without what depends on where calls end, candidates and searches, and forces. */
+void tell_contacts(struct contacts *c, i64 frame, double *told, double *force)
 {
-    memcpy(out, c->told, 7 * sizeof(double));
+    i64 size = c->nodes * c->dofs;
+    double *out = told + TOLD * frame;
+    memcpy(out, c->told, TOLD * sizeof(double));
     out[4] = out[5] = c->told[6] = 0.0;
+    memcpy(force + frame * size, c->force, (size_t)size * sizeof(double));
 }
 
 /* Put contacts that touch into memory; returns whether there is room. */

@@ -332,7 +332,7 @@ i64 overstrained(struct problem *p, double time, double h);
 /* contact.c */
 i64 begin_contacts(struct contacts *c, const double *values, i64 recalled);
 i64 touch_all(struct contacts *c, i64 state, const double *values, double h);
-void tell_contacts(struct contacts *c, double *out);
+void tell_contacts(struct contacts *c, i64 frame, double *told, double *force);
 i64 remember_contacts(struct contacts *c, i64 state);
 i64 view_contacts(struct contacts *c, const double *values, i64 most, double *out);
 void end_contacts(i64 state);

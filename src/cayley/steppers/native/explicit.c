@@ -353,8 +353,7 @@ i64 advance_explicit(struct explicit_run *e, i64 *reached)
         if (e->contacts) {
             struct contacts *c = e->contacts;
             p->energy[2] += c->told[1], c->told[1] = 0.0;
-            tell_contacts(c, e->contact_told + 7 * *reached);
-            memcpy(e->contact_force + *reached * c->nodes * c->dofs, c->force, (size_t)(c->nodes * c->dofs) * sizeof(double));
+            tell_contacts(c, *reached, e->contact_told, e->contact_force);
         }
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
         double check = 0.0;

@@ -308,11 +308,7 @@ i64 advance(struct problem *p, i64 *reached)
         if (p->motion)
             write_rates(p, number + (p->warm ? (i64)p->first : 0), p->rates + *reached * p->nodes * p->dofs);
         memcpy(p->works + 2 * *reached, p->energy + 1, 2 * sizeof(double));
-        if (p->contacts) {
-            struct contacts *c = p->contacts;
-            tell_contacts(c, p->contact_told + 7 * *reached);
-            memcpy(p->contact_force + *reached * c->nodes * c->dofs, c->force, (size_t)(c->nodes * c->dofs) * sizeof(double));
-        }
+        if (p->contacts) tell_contacts(p->contacts, *reached, p->contact_told, p->contact_force);
         double check = 0.0, *frame = p->frames + *reached * p->nodes * (p->rows + p->dofs);
         for (i64 n = 0; n < p->nodes; n++, frame += p->rows + p->dofs) {
             memcpy(frame, p->control + n * p->rows, (size_t)p->rows * sizeof(double));
