@@ -16,6 +16,13 @@ from peer import environment, versions
 
 EXPERIMENTS = ("cantilever", "catenary", "pendulum", "twist", "crossing", "capstan", "pile")
 SOLVERS = ("cayley", "pyelastica", "mujoco")
+FINE: dict[str, tuple[int, tuple[str, ...]]] = {
+    "cantilever": (160, ()),
+    "catenary": (400, ("youngs_modulus", "span")),
+    "pendulum": (400, ("youngs_modulus",)),
+    "crossing": (255, ("youngs_modulus", "drop")),
+}
+"""Where there is a reference: elements with which cayley has what the model itself has, and the parameters."""
 VENV, RUNS = HERE / ".venv-suite", HERE / ".suite"
 ADAPTER = ROOT / "adapters" / "cosseratbench"
 KEPT = (
@@ -30,6 +37,8 @@ KEPT = (
     "settings",
 )
 """What is kept of a result file of the suite."""
+FOLDER = "fine"
+"""Where the suite's results with fine meshes are, in the folder of the others."""
 
 
 def suite_python() -> Path:
@@ -39,28 +48,48 @@ def suite_python() -> Path:
     return environment("COSSERATBENCH_PYTHON", VENV, suite, *ours, what="cosseratbench")
 
 
-def run(python: Path, experiments: list[str], solvers: list[str], vary: list[str], out: Path, *, force: bool) -> None:
+def run(python: Path, experiments: list[str], solvers: list[str], out: Path, options: list[str]) -> None:
     """Let the suite run; what it has saved and still stands for the code is not run again, unless forced."""
     command = [str(python.parent / "cosseratbench"), "run", *experiments, "--out", str(out)]
-    command += [word for solver in solvers for word in ("--solver", solver)]
-    command += [word for name in vary for word in ("--vary", name)]
-    done = subprocess.run([*command, *(["--force"] if force else [])], check=False)
+    done = subprocess.run([*command, *_repeated("--solver", solvers), *options], check=False)
     if done.returncode:
         print("the suite reports runs that crashed; they have no row in the tables")
 
 
+def run_fine(python: Path, experiments: list[str], vary: list[str], out: Path, options: list[str]) -> None:
+    """Let the suite run cayley with the fine meshes."""
+    for experiment, (elements, parameters) in FINE.items():
+        if experiment in experiments:
+            wanted = [name for name in parameters if name in vary or "all" in vary]
+            more = ["--n-elements", str(elements), *_repeated("--vary", wanted), *options]
+            run(python, [experiment], ["cayley"], out / FOLDER, more)
+
+
+def _repeated(option: str, values: list[str]) -> list[str]:
+    return [word for value in values for word in (option, value)]
+
+
 def collect(out: Path, experiments: list[str], solvers: list[str]) -> list[dict[str, Any]]:
-    """Rows of all result files, the ordinary case of an experiment before its variants."""
+    """Rows of all result files, the ordinary case of an experiment before its variants.
+
+    Behind those of a variant stands what cayley has with a fine mesh.
+    """
     found = []
     for experiment in experiments:
         for folder in sorted((out / experiment).glob("*"), key=lambda path: (path.name != "default", path.name)):
             for solver in solvers:
-                path = folder / solver / "result.json"
-                if path.exists():
-                    told = json.loads(path.read_text())
-                    row = {"experiment": experiment, "variant": folder.name, "solver": solver}
-                    found.append(row | {name: told[name] for name in KEPT})
+                found += row(folder / solver / "result.json", experiment, folder.name, solver)
+            fine = out / FOLDER / experiment / folder.name / "cayley" / "result.json"
+            found += row(fine, experiment, folder.name, "cayley, fine mesh")
     return found
+
+
+def row(path: Path, experiment: str, variant: str, solver: str) -> list[dict[str, Any]]:
+    """What is kept of a result file, if it is there."""
+    if not path.exists():
+        return []
+    told = json.loads(path.read_text())
+    return [{"experiment": experiment, "variant": variant, "solver": solver} | {name: told[name] for name in KEPT}]
 
 
 def main() -> None:
@@ -75,8 +104,11 @@ def main() -> None:
     given = parser.parse_args()
     experiments, solvers = given.experiments or list(EXPERIMENTS), given.solver or list(SOLVERS)
     python = suite_python()
+    force = ["--force"] if given.force else []
     if not given.collect:
-        run(python, experiments, solvers, given.vary, given.runs, force=given.force)
+        run(python, experiments, solvers, given.runs, [*_repeated("--vary", given.vary), *force])
+        if "cayley" in solvers:
+            run_fine(python, experiments, given.vary, given.runs, force)
     rows = collect(given.runs, list(EXPERIMENTS), list(SOLVERS))
     if not rows:
         skip(f"no results of the suite in {given.runs}")

@@ -89,6 +89,26 @@ def test_a_rope_that_should_hold_holds():
     assert experiment.metrics["slide"](slipping, found) > 1e-2
 
 
+def test_frames_have_all_nodes_of_the_model():
+    solver, given = CayleySolver(), replace(scenario("crossing"), duration=0.02)
+    found = solver.run(given, n_elements=51, n_frames=3)
+    assert solver.settings(given, n_elements=51, n_frames=3)["elements"] == 153
+    assert [x.shape for x in found.positions] == [(3, 154, 3)] * 2
+    assert [d.shape for d in found.directors] == [(3, 153, 3)] * 2
+    for x, spec in zip(found.positions, given.rods, strict=True):
+        np.testing.assert_allclose(x[0, ::3], spec.nodes(51), atol=1e-9)
+
+
+def test_a_heap_comes_to_rest():
+    experiment = registry.load_experiment("pile")
+    given = experiment.scenario_for(speed=0.8)
+    found = CayleySolver().run(given, n_elements=40, n_frames=51)
+    assert found.times[-1] == given.duration
+    assert experiment.metrics["settling_residual"](given, found) < 2e-4
+    clamp = found.positions[0][:, 0, 2]
+    assert clamp[-1] == pytest.approx(0.15, abs=1e-9)
+
+
 def test_what_is_not_there_is_told():
     still = Motion((0.0, 1.0), ((0.0, 0.0, 0.0),) * 2, ((0.0, 0.0, 0.0),) * 2)
     arc = tuple((float(np.sin(a)), 0.0, float(1.0 - np.cos(a))) for a in np.linspace(0.0, 1.0, 51))

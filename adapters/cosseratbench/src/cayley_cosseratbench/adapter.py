@@ -26,6 +26,10 @@ LARGEST = 0.99
 """Largest part of the limit of explicit steps."""
 RESTING = 2e-4
 """Speed, in rod lengths per second, below which a run that only settles has come to rest [1/s]."""
+LYING = 4.0
+"""Rate of the damping of what lies still at the end, over the slowest frequency."""
+PATIENCE = 20.0
+"""Longest time that it is given to come to rest, times the slowest frequency."""
 STATICS, DAMPED, MOTION, TOUCHING = "statics", "damped run", "motion", "motion with contact"
 
 
@@ -44,15 +48,12 @@ class Plan:
     Args:
         way: "statics", "damped run", "motion" or "motion with contact".
         rule: where strain is measured along an element, and steps in time.
-        degree: nodes from one end of an element to the next.
         elements: of a rod.
-        stride: nodes of the model from one node of the suite to the next.
     """
 
     way: str
     rule: Rule
     elements: int
-    stride: int = 1
 
     @property
     def degree(self) -> int:
@@ -90,7 +91,10 @@ class CayleySolver:
         frame = scenario.duration / (n_frames - 1)
         step = self._step(scenario, plan, case, frame)
         rate = 2.0 * slowest_frequency(case.model) if scenario.quasi_static else 0.0
-        return found | {"time_step": frame / np.ceil(frame / step * (1.0 - 1e-12)), "damping_rate": rate}
+        found |= {"time_step": frame / np.ceil(frame / step * (1.0 - 1e-12)), "damping_rate": rate}
+        if _still(scenario, frame) is not None:
+            found["damping_rate_to_rest"] = _resting_rate(case)
+        return found
 
     def run(self, scenario: suite.Scenario, *, n_elements: int, n_frames: int) -> Trajectory:
         """Simulate a scenario, see cosseratbench.solver.Solver.
@@ -108,23 +112,20 @@ class CayleySolver:
         except (cy.EquilibriumError, cy.SettleError) as error:
             raise Diverged(str(error)) from error
         times = np.linspace(0.0, scenario.duration, n_frames)
-        known = np.minimum(np.arange(n_frames), len(poses[0][0]) - 1)  # what rests goes on resting
-        poses = [(x[known], p[known]) for x, p in poses]
-        places = tuple(np.ascontiguousarray(x[:, :: plan.stride]) for x, _ in poses)
-        turns = tuple(element_directors(x, p[:, :: plan.stride]) for x, (_, p) in zip(places, poses, strict=True))
-        return Trajectory(times, places, turns)
+        shown = _shown(len(poses[0][0]), n_frames)
+        poses = [(x[shown], p[shown]) for x, p in poses]
+        return Trajectory(times, tuple(x for x, _ in poses), tuple(element_directors(*pair) for pair in poses))
 
     def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
         if scenario.quasi_static and not driven(scenario) and not touches(scenario):
             return Plan(STATICS, cy.rules.midpoint, n_elements)
         if not scenario.quasi_static and not touches(scenario):
-            even = n_elements % 2 == 0  # an element of degree 2 has a node in its middle
-            rule = cy.rules.galerkin(time=2, space=2)
-            return Plan(MOTION, rule, n_elements // 2 if even else n_elements, 1 if even else 2)
+            rule = cy.rules.galerkin(time=2, space=2)  # an element has a node in its middle
+            return Plan(MOTION, rule, n_elements // 2 if n_elements % 2 == 0 else n_elements)
         rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
         near = HUG if scenario.obstacles else CHORD
         cut = max(pieces(spec, n_elements, near) for spec in scenario.rods) if touches(scenario) else 1
-        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, cut * n_elements, cut)
+        return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, cut * n_elements)
 
     def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:
         """Upper bound of the step [s]: the library's choice times the scale."""
@@ -138,25 +139,50 @@ class CayleySolver:
 
     def _run(self, scenario: suite.Scenario, plan: Plan, case: Translation, n_frames: int) -> list[Any]:
         frame = scenario.duration / (n_frames - 1)
-        step: dict[str, Any] = {}
+        options: dict[str, Any] = {"rule": plan.rule, "save_every": frame, "settle": scenario.quasi_static}
         if self.scale != 1.0:
-            step = {"dt": self._step(scenario, plan, case, frame)}
+            options["dt"] = self._step(scenario, plan, case, frame)
         elif plan.way == MOTION:
-            step = {"accuracy": ACCURACY}
+            options["accuracy"] = ACCURACY
         if scenario.quasi_static and not driven(scenario):
-            step |= {"rest": RESTING}
+            options["rest"] = RESTING
+        still = _still(scenario, frame)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cy.ContactDepthWarning)  # the suite measures depths itself
-            run = cy.simulate(
-                case.model,
-                scenario.duration,
-                rule=plan.rule,
-                save_every=frame,
-                initial=case.initial,
-                settle=scenario.quasi_static,
-                **step,
-            )
-        return [run.poses(rod) for rod in case.rods]
+            run = cy.simulate(case.model, still or scenario.duration, initial=case.initial, **options)
+            poses = [run.poses(rod) for rod in case.rods]
+            if still is not None:
+                longest = max(scenario.duration - still, PATIENCE / slowest_frequency(case.model))
+                options |= {"settle": _resting_rate(case), "rest": RESTING, "start": run}
+                run = cy.simulate(case.model, still + frame * np.ceil(longest / frame), **options)
+                poses = [_joined(pair, run.poses(rod)) for pair, rod in zip(poses, case.rods, strict=True)]
+        return poses
+
+
+def _joined(before: Any, after: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and rotations of a run and of one that goes on from it."""
+    position, rotation = (np.concatenate([b, a[1:]]) for b, a in zip(before, after, strict=True))
+    return position, rotation
+
+
+def _still(scenario: suite.Scenario, frame: float) -> float | None:
+    """Time of the first frame from which on no end is driven, if what lies on something is to come to rest then [s]."""
+    ends = [motion.times[-1] for rod in scenario.rods for motion in (rod.start_motion, rod.end_motion) if motion]
+    if not scenario.quasi_static or not scenario.obstacles or not ends or max(ends) >= scenario.duration:
+        return None
+    return float(frame * np.ceil(max(ends) / frame))
+
+
+def _resting_rate(case: Translation) -> float:
+    """Damping while a heap comes to rest [1/s]: what hangs and lies there is shorter than the rod, and faster."""
+    return LYING * slowest_frequency(case.model)
+
+
+def _shown(found: int, wanted: int) -> np.ndarray:
+    """Which of the frames of a run are shown: what rests goes on resting; of what comes to rest later, the end."""
+    if found <= wanted:
+        return np.minimum(np.arange(wanted), found - 1)
+    return np.append(np.arange(wanted - 2), [found - 2, found - 1])
 
 
 def _rest(case: Translation, plan: Plan) -> list[Any]:

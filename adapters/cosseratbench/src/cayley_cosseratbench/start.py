@@ -10,7 +10,7 @@ from cayley.lie import quaternion
 SMOOTH = 0.2
 """Angle between two segments of a centerline up to which it samples a smooth curve; else it has a corner [rad]."""
 
-CHORD, HUG, MOST = 0.05, 0.2, 9
+CHORD, HUG, MOST = 0.02, 0.2, 9
 """Largest distance of a chord from the curve it is of, in radii, at the start, where rods touch rods, and where they
 touch obstacles, on which nodes rest; and most pieces of an element."""
 

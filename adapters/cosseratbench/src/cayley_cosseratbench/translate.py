@@ -10,13 +10,10 @@ from cosseratbench.scenario import End, EndCondition
 
 import cayley as cy
 from cayley.lie import quaternion
-from cayley.model.settling import slowest_frequency
 from cayley_cosseratbench.start import node_frames
 
 PENETRATION = 0.001
 """Depth of contacts that is wanted, in radii: rods overlap less than those of the peers."""
-LYING = 5.0
-"""Rate of the damping of what lies still at the end, over the slowest frequency."""
 MEETS = 1e-9
 """Distance and angle up to which the straight rod stands where the scenario has a driven end [m, rad]."""
 
@@ -61,20 +58,7 @@ def translate(scenario: suite.Scenario, elements: int, degree: int) -> Translati
     if touching["contact"] is None:
         touching = {}
     model = cy.Model(*rods, supports=held, loads=loads, **touching)
-    return Translation(_lying(scenario, model), tuple(rods), initial)
-
-
-def _lying(scenario: suite.Scenario, model: cy.Model) -> cy.Model:
-    """The model with more damping from when the last driven end stands still, if what was moved then lies on something.
-
-    Settling goes by the slowest frequency, of a rod that hangs free; what hangs or lies at the end is shorter.
-    """
-    ends = [motion.times[-1] for rod in scenario.rods for motion in (rod.start_motion, rod.end_motion) if motion]
-    if not scenario.quasi_static or not ends or not scenario.obstacles:
-        return model
-    rate = LYING * slowest_frequency(model)
-    late = [cy.loads.decay(rod, rate, start=max(ends)) for rod in model.rods]
-    return model.replace(loads=(*model.loads, *late))
+    return Translation(model, tuple(rods), initial)
 
 
 def touches(scenario: suite.Scenario) -> bool:
