@@ -75,6 +75,8 @@ def test_deep_contacts_warn_unless_their_stiffness_was_given():
     falling = rod("rod", 0.02)
     initial = {falling: {"velocity": np.broadcast_to([0, 0, -20.0], (5, 3))}}
     model = cy.Model(falling, obstacles=[cy.Plane()], contact=cy.Contact())
+    run = cy.simulate(model, 0.002, initial=initial)
+    assert 0.01 < run.contacts.deepest[-1] < 0.1
     with pytest.warns(cy.ContactDepthWarning, match=r"sank .* radii .*smaller dt"):
-        cy.simulate(model, 0.002, initial=initial)
+        cy.simulate(model, 0.002, dt=4.0 * run.dt, initial=initial)
     cy.simulate(model.replace(contact=cy.Contact(stiffness=2e5)), 0.002, dt=1e-6, initial=initial)

@@ -19,12 +19,12 @@ from cayley.model.settling import settling, slowest_frequency
 from cayley.results.trajectory import Trajectory
 from cayley.results.writer import WriteError, add_info
 from cayley.simulation.failure import Interrupted, SimulationError
-from cayley.simulation.rest import SLOWER, STRETCH, Settled, SettleError, settle
+from cayley.simulation.rest import SHALLOW, SLOWER, STRETCH, Settled, SettleError, settle
 from cayley.simulation.restart import resume
 from cayley.simulation.run import Calm, span_of
 from cayley.simulation.run import run as _run
 from cayley.simulation.saves import Saves, nodes_of, positive
-from cayley.simulation.start import start_of_model, start_of_system
+from cayley.simulation.start import kept_shallow, start_of_model, start_of_system
 from cayley.system.discretize import spans
 from cayley.system.system import State, System
 
@@ -114,16 +114,18 @@ def simulate(
     begin = start_of_model(model, rotation, initial, start=start, account=balance)
 
     saves = _saves(save_every, save_steps, save_at, store, overwrite=overwrite)
+    slower = accuracy is None and dt is None and model.contact is not None
 
     def run(rule: Rule, dt: float | None, attempt: int = 0) -> Trajectory:
         system, state = begin(rule)
+        system = kept_shallow(system, state.values) if slower and attempt < SHALLOW else system
         parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
         options: dict[str, Any] = {"allow_unstable": allow_unstable, "progress": progress, "watch": watch, "calm": calm}
         only = None if save_only is None else nodes_of(save_only, model, rule.degree)
         again = replace(saves, overwrite=saves.overwrite or attempt > 0, only=only)
         return _run(system, state, t_end, dt, again, **options, model=model, parts=parts)
 
-    if accuracy is None and dt is None and model.contact is not None:
+    if slower:
         return _run_slower(rule or rules.verlet, run)
     if accuracy is None:
         return run(rule or rules.verlet, dt)
@@ -275,7 +277,7 @@ def _task(
 
 
 def _run_slower(rule: Rule, run: Callable[[Rule, float | None, int], Trajectory]) -> Trajectory:
-    """Run with the step of the limit; where something touches too fast for it, again with half of it."""
+    """Run with the step of the limit; where something touches too fast for it or sinks in, again with half of it."""
     dt: float | None = None
     for attempt in range(SLOWER):
         try:
@@ -284,7 +286,8 @@ def _run_slower(rule: Rule, run: Callable[[Rule, float | None, int], Trajectory]
             if not error.too_fast or attempt == SLOWER - 1:
                 raise
             dt = 0.5 * error.partial.frames.h
-            _log.info("parts touch too fast at t = %.3g s: again with dt = %.3g s", error.partial.time[-1], dt)
+            at = error.partial.time[-1]
+            _log.info("parts touch too fast or sink in too deep at t = %.3g s: again with dt = %.3g s", at, dt)
     raise AssertionError
 
 

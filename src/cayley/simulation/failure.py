@@ -13,7 +13,7 @@ class SimulationError(RuntimeError):
     """A run that stopped: the message tells time, place and remedy; what was saved before is in ``partial``."""
 
     def __init__(self, message: str, partial: Trajectory, *, too_fast: bool = False) -> None:
-        """Hold the message and the frames saved before; too_fast: for what touches, a smaller step would do."""
+        """Hold the message and the frames saved before; too_fast: what touches wants a smaller step."""
         super().__init__(message)
         self.partial, self.too_fast = partial, too_fast
 
@@ -54,7 +54,7 @@ def explain(system: System, result: Result, trajectory: Trajectory) -> str:
             "lie on them, or leave pairs out (Contact(without=...)). "
             f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
         )
-    if result.outcome is Outcome.FAST:
+    if result.outcome in (Outcome.FAST, Outcome.DEEP):
         return (
             f"stopped at t = {time:.6g} s (step {result.step}), at {result.partners}: {result.outcome.value}; give dt "
             f"below {0.5 * h:.3g} s. The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the "

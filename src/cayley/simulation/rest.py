@@ -16,7 +16,7 @@ from cayley.results.trajectory import Trajectory
 from cayley.simulation.failure import SimulationError
 from cayley.simulation.run import run
 from cayley.simulation.saves import Saves, positive
-from cayley.simulation.start import start_of_model
+from cayley.simulation.start import kept_shallow, start_of_model
 from cayley.statics import Equilibrium, EquilibriumError, equilibrium
 from cayley.system.discretize import spans
 from cayley.system.system import State
@@ -33,8 +33,8 @@ LONGEST = 200.0
 """Length of a damped run at which it is given up, in 1/ω."""
 
 
-SLOWER = 10
-"""Tries with half the step where parts touch too fast."""
+SLOWER, SHALLOW = 10, 6
+"""Tries with half the step where parts touch too fast, and those in which depth counts, too: it is much for corners."""
 
 
 class SettleError(RuntimeError):
@@ -159,7 +159,8 @@ def _by_run(
     saves, tries = Saves(every=STRETCH * unit / FRAMES), 0
     while residual > tolerance:
         try:
-            piece = run(system, state, state.time + STRETCH * unit, step, saves, model=damped, parts=parts)
+            shallow = kept_shallow(system, state.values) if tries < SHALLOW else system
+            piece = run(shallow, state, state.time + STRETCH * unit, step, saves, model=damped, parts=parts)
         except SimulationError as error:
             if not error.too_fast or tries == SLOWER:
                 raise

@@ -9,6 +9,7 @@ import numpy as np
 
 from cayley.discrete.rules import Rule
 from cayley.model import Model
+from cayley.results.contact import DEEP
 from cayley.simulation.failure import name_of
 from cayley.steppers.contacts import view
 from cayley.steppers.outcome import Outcome
@@ -21,6 +22,8 @@ START_TOLERANCE = 1e-8
 """Largest violation of a constraint at the start; the first step removes it."""
 OVERLAP = 0.02
 """Depth at the start, in radii, that is no overlap."""
+DEEPEST = 0.1
+"""Depth of impacts, in radii, with which steps chosen by the library are good enough."""
 
 
 def start_of_model(
@@ -133,6 +136,22 @@ def _check_places(system: System, state: State) -> None:
 
 def _who(system: System) -> str:
     return name_of(system) if system.with_constraints else "the joints"
+
+
+def kept_shallow(system: System, values: np.ndarray) -> System:
+    """The system, to be run by steps that the library chooses: contacts deeper than an impact may be end the run.
+
+    Args:
+        system: the system.
+        values: of its nodes at the start; what is deeper there may stay so.
+    """
+    touching = system.contact
+    if touching is None or touching.contact.stiffness is not None:
+        return system
+    seen = view(system, values, 1.0)
+    deep = 0.0 if touching.contact.allow_overlap else float((seen[:, 3] / seen[:, 4]).max(initial=0.0))
+    most = max(DEEPEST, DEEP * touching.contact.penetration, 2.0 * deep)
+    return replace(system, contact=replace(touching, deepest=most))
 
 
 def _fitting(system: System, state: State) -> State:

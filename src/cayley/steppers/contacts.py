@@ -72,7 +72,7 @@ class Contacts:
         """
         touching, partners = self.system.contact, ""
         assert touching is not None
-        if outcome is Outcome.FAST:
+        if outcome in (Outcome.FAST, Outcome.DEEP):
             partners = touching.described(*map(int, self.arrays["blame"]))
         elif outcome is Outcome.FINISHED:
             own = self.remember()
@@ -138,6 +138,7 @@ def make_contacts(system: System, h: float) -> Contacts:
         "per_mass": per_mass,
         "least": least,
         "soft": SOFT * touching.contact.penetration,
+        "deepest": touching.deepest,
         "shear": SHEAR,
         "damping": touching.contact.damping,
         "relax": RELAX if touching.contact.allow_overlap else 0.0,

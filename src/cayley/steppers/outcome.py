@@ -23,6 +23,7 @@ class Outcome(enum.Enum):
         "take midpoint"
     )
     FAST = "what touches there comes nearer by too much of its radius in one step: it might pass through"
+    DEEP = "what touches there sinks in deeper than is wanted, for contacts are as stiff as the step lets them be"
     CROWDED = "there are more contacts at once than a run remembers"
 
 
@@ -37,7 +38,7 @@ class Result:
         node: node that failed, or -1.
         history: of a step that was not solved, relative correction and largest residual [N s, N m s] of the last
             iterations, shape (k, 2); NaN where there was none.
-        partners: what touches too fast, in words.
+        partners: what touches too fast or sinks in too deep, in words.
     """
 
     outcome: Outcome

@@ -1,6 +1,7 @@
 """What touches, as arrays: segments with a radius between points of nodes, and solids; see native/contact.h."""
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -37,6 +38,7 @@ class Touching:
         names: of the owners: rods, then shapes.
         arrays: fields of struct contacts that do not change.
         movers: how many segments can move, for the load on each.
+        deepest: depth at which a run of an explicit rule ends, in radii of the thinner partner [-].
     """
 
     contact: Contact
@@ -45,6 +47,7 @@ class Touching:
     names: tuple[str, ...]
     arrays: dict[str, np.ndarray] = field(repr=False)
     movers: int
+    deepest: float = math.inf
 
     @property
     def segments(self) -> int:

@@ -335,9 +335,10 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
             t->free = x->gone + seen.apart / SLOWER;
             continue;
         }
-        if (hasty(c, x, t, &seen)) {
+        i64 deep = seen.depth - t->allowed > c->deepest * t->unit;
+        if (deep || hasty(c, x, t, &seen)) {
             c->blame[0] = t->a, c->blame[1] = t->b;
-            return FAST;
+            return deep ? DEEP : FAST;
         }
         restrain(c, x, t, h);
         take_contact(c, x, t, &seen, h);

@@ -15,7 +15,7 @@ typedef double vec __attribute__((vector_size(8 * LANES)));
 typedef i64 (*kernel)(double *, double *, i64, i64);
 typedef void (*prepare)(double *);
 
-enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE, FAST };
+enum outcome { FINISHED, NOT_CONVERGED, NOT_FINITE, REDUNDANT, TENSE, FAST, DEEP };
 
 /* A part of the action (or a force density) that is evaluated at quadrature points of cells, LANES cells at a time.
  *
@@ -148,6 +148,7 @@ struct contacts {
     double per_mass;     /* stiffness for a unit of mass [1/s^2], but at least */
     double least;        /* so much [N/m] */
     double soft;         /* part of a radius in which stiffness sets in */
+    double deepest;      /* depth at which an explicit step ends the run, in radii */
     double shear;        /* tangential stiffness for a unit of the normal one */
     double damping;      /* part of critical damping */
     double relax;        /* part of overlaps at the start that is left after a step; 0: there are none */
