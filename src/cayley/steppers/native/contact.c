@@ -64,7 +64,8 @@ void list_near(struct contacts *c, struct scene *x)
     search(c, x);
     memcpy(x->listed_point, x->point, (size_t)(3 * c->points) * sizeof(double));
     memcpy(x->listed_values, x->values, (size_t)((c->nodes + 1) * c->rows) * sizeof(double));
-    x->listed = 1;
+    x->listed = 1, x->unit = INFINITY;
+    for (i64 n = 0; n < x->count; n++) x->unit = x->touch[n].unit < x->unit ? x->touch[n].unit : x->unit;
     c->told[4] = (double)x->count, c->told[5] += 1.0;
 }
 
@@ -124,30 +125,32 @@ i64 swept(struct contacts *c, struct scene *x, double unit)
     return hit;
 }
 
-/* Rotations from the places before to those now, as Cayley vectors 2 tan(angle/2) axis. */
-static void turn_of(const struct contacts *c, const struct scene *x, i64 node, double *turn)
+/* Turns from the places before to those now. */
+void take_turns(const struct contacts *c, struct scene *x)
 {
-    const double *p = x->values + node * c->rows + c->turn_row, *q = x->old_values + node * c->rows + c->turn_row;
-    double w = DOT(p + 1, q + 1) + p[0] * q[0];
-    for (i64 k = 0; k < 3; k++) turn[k] = 0.0;
-    if (w == 0.0) return;
-    CROSS(q + 1, p + 1, turn);
-    for (i64 k = 0; k < 3; k++) turn[k] = 2.0 * (p[1 + k] * q[0] - p[0] * q[1 + k] + turn[k]) / w;
+    for (i64 node = 0; node < c->nodes; node++) {
+        const double *p = x->values + node * c->rows + c->turn_row, *q = x->old_values + node * c->rows + c->turn_row;
+        double w = DOT(p + 1, q + 1) + p[0] * q[0], f = w == 0.0 ? 0.0 : 2.0 / w, *turn = x->turn[node].vector;
+        CROSS(q + 1, p + 1, turn);
+        for (i64 k = 0; k < 3; k++) turn[k] = f * (p[1 + k] * q[0] - p[0] * q[1 + k] + turn[k]);
+        x->turn[node].share = 1.0 / (1.0 + 0.25 * DOT(turn, turn));
+    }
 }
 
-/* The way of the material point of a node that is at a lever from it now. */
+/* The way of the material point of a node that is at a lever from it now: with l half way, turn x l is added. */
 void way_of(const struct contacts *c, const struct scene *x, i64 node, const double *lever, double part, double *way,
-                   double *turned)
+            double *turned)
 {
     const double *p = x->values + node * c->rows + c->place_row, *q = x->old_values + node * c->rows + c->place_row;
-    double turn[3], over[3], middle[3], more[3];
+    const double *turn = x->turn[node].vector, share = x->turn[node].share;
+    double over[3], twice[3];
     if (node == c->nodes) return;
-    turn_of(c, x, node, turn);
     CROSS(turn, lever, over);
-    double along = DOT(turn, lever), size = 1.0 + 0.25 * DOT(turn, turn);
-    for (i64 k = 0; k < 3; k++) middle[k] = (lever[k] - 0.5 * over[k] + 0.25 * turn[k] * along) / size;
-    CROSS(turn, middle, more);
-    for (i64 k = 0; k < 3; k++) way[k] += part * (p[k] - q[k] + more[k]), turned[k] += 0.5 * fabs(part) * turn[k];
+    CROSS(turn, over, twice);
+    for (i64 k = 0; k < 3; k++) {
+        way[k] += part * (p[k] - q[k] + share * (over[k] - 0.5 * twice[k]));
+        turned[k] += 0.5 * fabs(part) * turn[k];
+    }
 }
 
 /* Nodes, levers and weights of the two partners: at most eight, weights of the second negative. Levers go so far from the
@@ -176,22 +179,31 @@ i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t,
     return count;
 }
 
-/* Add a force on the first partner, and its opposite on the second, to the nodes. */
-static void push_nodes(const struct contacts *c, const struct scene *x, const struct foot *foot, i64 count,
-                       const double *force, double *out)
+/* Add a force on the first partner, and its opposite on the second, to what presses on the nodes. */
+static void push_nodes(struct scene *x, const struct foot *foot, i64 count, const double *force)
 {
     for (i64 n = 0; n < count; n++) {
         const struct foot *f = foot + n;
-        if (f->node == c->nodes) continue;
-        double push[3] = {f->weight * force[0], f->weight * force[1], f->weight * force[2]}, moment[3], m[9];
-        double *to = out + f->node * c->dofs;
+        double push[3] = {f->weight * force[0], f->weight * force[1], f->weight * force[2]}, moment[3];
+        double *to = x->push + 6 * f->node;
         CROSS(f->lever, push, moment);
-        rotation_matrix(x->values + f->node * c->rows + c->turn_row, m);
-        for (i64 k = 0; k < 3; k++) {
-            to[c->place_dof + k] += push[k];
-            to[c->turn_dof + k] += m[k] * moment[0] + m[3 + k] * moment[1] + m[6 + k] * moment[2];
-        }
+        for (i64 k = 0; k < 3; k++) to[k] += push[k], to[3 + k] += moment[k];
     }
+}
+
+/* Hand what presses on the nodes over as forces on their degrees of freedom. */
+void press_nodes(struct contacts *c, struct scene *x)
+{
+    double m[9];
+    memset(c->force, 0, (size_t)((c->nodes + 1) * c->dofs) * sizeof(double));
+    for (i64 node = 0; node < c->nodes; node++) {
+        double *from = x->push + 6 * node, *to = c->force + node * c->dofs;
+        if (from[0] == 0.0 && from[1] == 0.0 && from[2] == 0.0) continue;
+        rotation_matrix(x->values + node * c->rows + c->turn_row, m);
+        memcpy(to + c->place_dof, from, 3 * sizeof(double));
+        times_transposed(m, from + 3, to + c->turn_dof);
+    }
+    memset(x->push, 0, (size_t)(6 * (c->nodes + 1)) * sizeof(double));
 }
 
 void part_from(struct contacts *c, struct touch *t)
@@ -249,7 +261,7 @@ void take_contact(struct contacts *c, struct scene *x, struct touch *t, const st
     t->touching = 1;
     double force[3];
     for (i64 k = 0; k < 3; k++) force[k] = law.force * seen->normal[k] + t->push[k];
-    push_nodes(c, x, foot, count, force, c->force);
+    push_nodes(x, foot, count, force);
     double relative = (seen->depth - t->allowed) / t->unit;
     if (relative > c->told[2]) {
         c->told[2] = relative;
@@ -271,7 +283,7 @@ static i64 moved_by(const struct contacts *c, const struct touch *t, i64 *node)
     return count;
 }
 
-static void count_crowd(const struct contacts *c, struct scene *x)
+void count_crowd(const struct contacts *c, struct scene *x)
 {
     i64 node[4];
     memset(x->crowd, 0, (size_t)(c->nodes + 1) * sizeof *x->crowd);
@@ -281,19 +293,15 @@ static void count_crowd(const struct contacts *c, struct scene *x)
 }
 
 /* Dampers take velocities half a step late, so all on a node together may not be stronger than the mass there takes. */
-static void restrain(const struct contacts *c, const struct scene *x, struct touch *t, double h)
+static void restrain(const struct contacts *c, struct scene *x, struct touch *t, double h)
 {
     i64 node[4], most = 1;
-    for (i64 k = moved_by(c, t, node) - 1; k >= 0; k--) most = x->crowd[node[k]] > most ? x->crowd[node[k]] : most;
+    for (i64 k = moved_by(c, t, node) - 1; k >= 0; k--) {
+        most = x->crowd[node[k]] > most ? x->crowd[node[k]] : most;
+        x->crowding[node[k]]++;
+    }
     t->most = t->most_along = LATE * t->mass / ((double)most * h * h);
     if (c->radius[t->a] > 0.0) t->most_along *= LEVER;
-}
-
-double smallest_unit(const struct scene *x)
-{
-    double least = INFINITY;
-    for (i64 n = 0; n < x->count; n++) least = x->touch[n].unit < least ? x->touch[n].unit : least;
-    return least;
 }
 
 /* Points and solids where the values are. */
@@ -322,11 +330,9 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     struct seen seen;
     take(c, x, values);
     renew(c, x);
-    count_crowd(c, x);
-    memset(c->force, 0, (size_t)((c->nodes + 1) * c->dofs) * sizeof(double));
+    take_turns(c, x);
     c->told[0] = c->told[2] = c->told[3] = 0.0;
-    double unit = x->stride > 0.0 ? smallest_unit(x) : INFINITY;
-    if (2.0 * x->stride > SWEEP * unit && isfinite(x->stride) && swept(c, x, unit)) return FAST;
+    if (2.0 * x->stride > SWEEP * x->unit && isfinite(x->stride) && swept(c, x, x->unit)) return FAST;
     for (i64 n = 0; n < x->count; n++) {
         struct touch *t = x->touch + n;
         if (!t->touching && x->gone < t->free) continue;
@@ -343,6 +349,10 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
         restrain(c, x, t, h);
         take_contact(c, x, t, &seen, h);
     }
+    press_nodes(c, x);
+    i64 *crowd = x->crowd;
+    x->crowd = x->crowding, x->crowding = crowd;
+    memset(crowd, 0, (size_t)(c->nodes + 1) * sizeof *crowd);
     if (c->told[2] > c->told[6]) c->told[6] = c->told[2];
     look_ahead(c, x);
     keep_places(c, x);

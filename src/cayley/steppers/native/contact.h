@@ -10,19 +10,19 @@ static const double QUICKER = 1.5; /* growth of a way from step to step that is 
 enum solid { PLANE, CYLINDER, BOX, TRIANGLE };
 enum slot { START, END, INSIDE }; /* of a segment on a solid; with a triangle INSIDE + k is along its edge k */
 
-/* Two partners that are near. Those of the last three members are kept as long as they touch. */
+/* Two partners that are near. What is known of those that do not touch is in the first line of a cache. */
 struct touch {
     i64 a;            /* segment */
     i64 b;            /* segment, or segments + solid */
     i64 slot;         /* where on a solid; 0 for segments */
-    double stiffness, friction, unit, mass; /* unit: the radius that depths are measured by */
     i64 touching;
+    double free;      /* way of all points, see gone in struct scene, up to which it can't touch */
+    double stiffness, friction, unit, mass; /* unit: the radius that depths are measured by */
     double slip[3];   /* elongation of the tangential spring */
     double push[3];   /* force on a that is no gradient: of friction and damping */
     double normal[3];
     double depth;
     double allowed;   /* what is left of an overlap at the start */
-    double free;      /* way of all points, see gone in struct scene, up to which it can't touch */
     double most, most_along; /* of the forces of dampers, across and along, for a way in a step that explicit steps take [N/m] */
 };
 
@@ -43,13 +43,22 @@ struct seen {
     double axis[3];   /* its direction if it is an edge, else zero */
 };
 
+/* Rotation of a node, as a Cayley vector 2 tan(angle/2) axis. */
+struct turn {
+    double vector[3], share; /* 1/(1 + vector^2/4) */
+};
+
 struct scene {
     double *point, *old_point, *listed_point; /* [points][3], now, at the evaluation before, at the search */
     double *values, *old_values, *listed_values; /* of nodes, [nodes + 1][rows] */
     double *pose;     /* origin and rotation matrix, [solids][12] */
+    struct turn *turn; /* of nodes since the evaluation before, [nodes + 1] */
+    double *push;     /* forces and moments on nodes, in space, [nodes + 1][6] */
     struct touch *touch;
     i64 count, room;
-    i64 *crowd;       /* contacts on each node at the evaluation before, [nodes + 1] */
+    i64 *crowd;       /* contacts on each node at the evaluation before, [nodes + 1], */
+    i64 *crowding;    /* and at this one */
+    double unit;      /* the smallest of those listed */
     double margin;
     double stride;    /* largest way of a point since the evaluation before */
     double gone;      /* sum of these */
@@ -109,9 +118,11 @@ struct foot {
 double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others);
 void take(struct contacts *c, struct scene *x, const double *values);
 void take_places(const struct contacts *c, struct scene *x);
+void take_turns(const struct contacts *c, struct scene *x);
 void keep_places(const struct contacts *c, struct scene *x);
+void press_nodes(struct contacts *c, struct scene *x);
+void count_crowd(const struct contacts *c, struct scene *x);
 void list_near(struct contacts *c, struct scene *x);
-double smallest_unit(const struct scene *x);
 i64 swept(struct contacts *c, struct scene *x, double unit);
 i64 feet(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *seen, double reach,
          struct foot *foot);

@@ -167,7 +167,7 @@ void add_contacts(struct problem *p, double h, i64 tangent)
     for (i64 k = 0; k < p->stages; k++) {
         double weight = h * p->weights[k], part = p->still ? 1.0 : p->at[k];
         at_stage(p, k, x->values);
-        take_places(c, x);
+        take_places(c, x), take_turns(c, x);
         for (i64 n = 0; n < x->count; n++) {
             struct touch *t = x->touch + n;
             struct foot foot[8], surface[8];
@@ -250,11 +250,10 @@ i64 outran(struct problem *p)
 static i64 passed(struct contacts *c, struct scene *x)
 {
     struct seen seen, before;
-    double unit = smallest_unit(x);
-    if (2.0 * x->stride > SWEEP * unit && swept(c, x, unit)) return 1;
+    if (2.0 * x->stride > SWEEP * x->unit && swept(c, x, x->unit)) return 1;
     struct scene old = *x;
     old.point = x->old_point, old.values = x->old_values;
-    for (i64 n = 0; n < x->count && x->stride > SWEEP * unit; n++) {
+    for (i64 n = 0; n < x->count && x->stride > SWEEP * x->unit; n++) {
         const struct touch *t = x->touch + n;
         if (t->b >= c->segments || !look(c, x, t, &seen) || seen.depth <= 0.0) continue;
         look(c, &old, t, &before);
@@ -274,7 +273,7 @@ i64 accept_contacts(struct problem *p, double h)
     struct seen seen;
     if (passed(c, x)) return 1;
     p->energy[2] += x->loss;
-    memset(c->force, 0, (size_t)((c->nodes + 1) * c->dofs) * sizeof(double));
+    take_turns(c, x);
     c->told[0] = c->told[2] = c->told[3] = 0.0;
     for (i64 n = 0; n < x->count; n++) {
         struct touch *t = x->touch + n;
@@ -286,6 +285,7 @@ i64 accept_contacts(struct problem *p, double h)
         c->told[1] = told; /* what it took was told by the stages, */
         p->energy[2] -= 0.5 * c->shear * t->stiffness * DOT(t->slip, t->slip) - stored; /* but for what is stored */
     }
+    press_nodes(c, x);
     if (c->told[2] > c->told[6]) c->told[6] = c->told[2];
     return 0;
 }

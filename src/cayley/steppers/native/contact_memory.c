@@ -69,12 +69,15 @@ i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
     x->point = malloc(points), x->old_point = malloc(points), x->listed_point = malloc(points);
     x->values = malloc(all), x->old_values = malloc(all), x->listed_values = malloc(all);
     x->pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
-    x->crowd = malloc((size_t)(c->nodes + 1) * sizeof *x->crowd);
+    x->crowd = calloc((size_t)(c->nodes + 1), sizeof *x->crowd);
+    x->crowding = calloc((size_t)(c->nodes + 1), sizeof *x->crowding);
+    x->turn = calloc((size_t)(c->nodes + 1), sizeof *x->turn);
+    x->push = calloc((size_t)(6 * (c->nodes + 1)), sizeof *x->push);
     x->margin = c->clearance;
     take(c, x, values);
     list_near(c, x);
     keep_places(c, x);
-    if (recalled) recall(c, x), x->stride = c->memory[1];
+    if (recalled) recall(c, x), count_crowd(c, x), x->stride = c->memory[1];
     else {
         if (c->relax > 0.0) allow(c, x);
         touch_all(c, (i64)x, values, 1.0);
@@ -87,7 +90,7 @@ void end_contacts(i64 state)
     struct scene *x = (struct scene *)state;
     free(x->point), free(x->old_point), free(x->listed_point);
     free(x->values), free(x->old_values), free(x->listed_values);
-    free(x->pose), free(x->touch), free(x->crowd), free(x);
+    free(x->pose), free(x->touch), free(x->crowd), free(x->crowding), free(x->turn), free(x->push), free(x);
 }
 
 /* Write all contacts at values: a, b, slot, depth, its unit, normal, place, force along the normal, [most][12]. */

@@ -75,33 +75,33 @@ static double hollow(double p[4][3], const double *way, double part)
     return most > 0.0 ? 0.125 * most : 0.0;
 }
 
-/* The quadratic B-spline of a rod's points along a segment: weights of the four points about it, and their slopes and
- * second derivatives. It touches every segment in its middle. */
-static void spline(double s, double *w, double *slope, double *second)
+/* The quadratic B-spline of a rod's points along a segment, which touches every segment in its middle: the first of three
+ * points about a place, and their weights. */
+static inline i64 spline(double s, double *u, double *w)
 {
     i64 late = s > 0.5;
-    double u = late ? s - 0.5 : s + 0.5;
-    memset(w, 0, 4 * sizeof *w), memset(slope, 0, 4 * sizeof *slope), memset(second, 0, 4 * sizeof *second);
-    w += late, slope += late, second += late;
-    w[0] = 0.5 * (1.0 - u) * (1.0 - u), w[1] = 0.5 + u * (1.0 - u), w[2] = 0.5 * u * u;
-    slope[0] = u - 1.0, slope[1] = 1.0 - 2.0 * u, slope[2] = u;
-    second[0] = 1.0, second[1] = -2.0, second[2] = 1.0;
+    *u = late ? s - 0.5 : s + 0.5;
+    w[0] = 0.5 * (1.0 - *u) * (1.0 - *u), w[1] = 0.5 + *u * (1.0 - *u), w[2] = 0.5 * *u * *u;
+    return late;
 }
 
-static void mean(double p[4][3], const double *w, double *out)
+/* The curve at a place, its slope and second derivative. */
+static inline void on_curve(double p[4][3], double s, double *at, double *slope, double *second)
 {
-    for (i64 k = 0; k < 3; k++) out[k] = w[0] * p[0][k] + w[1] * p[1][k] + w[2] * p[2][k] + w[3] * p[3][k];
+    double u, w[3];
+    double(*q)[3] = p + spline(s, &u, w);
+    for (i64 k = 0; k < 3; k++) {
+        at[k] = w[0] * q[0][k] + w[1] * q[1][k] + w[2] * q[2][k];
+        second[k] = q[0][k] - 2.0 * q[1][k] + q[2][k], slope[k] = q[1][k] - q[0][k] + u * second[k];
+    }
 }
 
 /* Where the curves of two segments come nearest, by Newton's method from (s, t); returns the squared distance. */
 static double nearest(double p[4][3], double q[4][3], double *s, double *t, double *gap)
 {
-    double a[3], b[3], u[3], v[3], over[3], under[3], w[4], slope[4], second[4];
+    double a[3], b[3], u[3], v[3], over[3], under[3];
     for (i64 pass = 0; pass < 8; pass++) {
-        spline(*s, w, slope, second);
-        mean(p, w, a), mean(p, slope, u), mean(p, second, over);
-        spline(*t, w, slope, second);
-        mean(q, w, b), mean(q, slope, v), mean(q, second, under);
+        on_curve(p, *s, a, u, over), on_curve(q, *t, b, v, under);
         for (i64 k = 0; k < 3; k++) gap[k] = a[k] - b[k];
         double g = DOT(gap, u), h = -DOT(gap, v), uu = DOT(u, u), vv = DOT(v, v), uv = DOT(u, v);
         double aa = uu + DOT(gap, over), bb = vv - DOT(gap, under);
@@ -126,8 +126,8 @@ static double nearest(double p[4][3], double q[4][3], double *s, double *t, doub
 static void stand_curved(const struct contacts *c, i64 segment, double s, i64 *count, i64 *point, double *weight)
 {
     const i64 *ends = c->ends + 2 * segment, *beyond = c->beyond + 2 * segment;
-    double w[4], slope[4], second[4];
-    spline(s, w, slope, second);
+    double w[4] = {0.0, 0.0, 0.0, 0.0}, three[3], u;
+    memcpy(w + spline(s, &u, three), three, sizeof three);
     if (beyond[0] < 0) w[1] += 2.0 * w[0], w[2] -= w[0], w[0] = 0.0;
     if (beyond[1] < 0) w[2] += 2.0 * w[3], w[1] -= w[3], w[3] = 0.0;
     i64 all[4] = {beyond[0], ends[0], ends[1], beyond[1]};
