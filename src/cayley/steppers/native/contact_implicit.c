@@ -125,17 +125,13 @@ static void add_force(struct problem *p, const struct foot *foot, i64 count, con
         i64 node = foot[n].node;
         if (node == c->nodes) continue;
         const double *z = x->values + node * rows + c->turn_row;
-        double push[rows], out[dofs], f[3], moment[3], m[9], body[3];
+        double push[rows], out[dofs], f[3], moment[3], body[3], m[9];
         memset(push, 0, sizeof push);
         for (i64 d = 0; d < 3; d++) f[d] = foot[n].weight * force[d];
         CROSS(foot[n].lever, f, moment);
         rotation_matrix(z, m);
-        for (i64 d = 0; d < 3; d++) body[d] = m[d] * moment[0] + m[3 + d] * moment[1] + m[6 + d] * moment[2];
-        double size = 2.0 / (z[0] * z[0] + z[1] * z[1] + z[2] * z[2] + z[3] * z[3]), *turn = push + c->turn_row;
-        turn[0] = -size * (z[1] * body[0] + z[2] * body[1] + z[3] * body[2]);
-        turn[1] = size * (z[0] * body[0] + z[2] * body[2] - z[3] * body[1]);
-        turn[2] = size * (z[0] * body[1] + z[3] * body[0] - z[1] * body[2]);
-        turn[3] = size * (z[0] * body[2] + z[1] * body[1] - z[2] * body[0]);
+        times_transposed(m, moment, body);
+        push_turn(z, body, push + c->turn_row);
         memcpy(push + c->place_row, f, sizeof f);
         for (i64 i = p->still; i <= r; i++) {
             i64 equation = i - p->still;

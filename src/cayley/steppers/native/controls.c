@@ -3,6 +3,15 @@
 #include <string.h>
 #include "engine.h"
 
+/* A moment in the body frame as a force on a quaternion z, which need not be unit: 2 z moment/|z|^2. */
+void push_turn(const double *z, const double *moment, double *out)
+{
+    double x = moment[0], y = moment[1], v = moment[2];
+    double f = 2.0 / (z[0] * z[0] + z[1] * z[1] + z[2] * z[2] + z[3] * z[3]);
+    out[0] = -f * (z[1] * x + z[2] * y + z[3] * v), out[1] = f * (z[0] * x + z[2] * v - z[3] * y);
+    out[2] = f * (z[0] * y + z[3] * x - z[1] * v), out[3] = f * (z[0] * v + z[1] * y - z[2] * x);
+}
+
 /* Left-trivialized gradient of one node. */
 void trivialize(struct problem *p, const double *gradient, const double *point, double *out)
 {

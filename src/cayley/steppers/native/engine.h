@@ -303,6 +303,7 @@ double measure(struct problem *p, const double *x, double *turn, i64 *worst);
 void hand_on(struct problem *p);
 void note_motion(struct problem *p);
 void write_rates(struct problem *p, i64 steps, double *out);
+void push_turn(const double *z, const double *moment, double *out);
 void trivialize(struct problem *p, const double *gradient, const double *point, double *out);
 
 /* terms.c */

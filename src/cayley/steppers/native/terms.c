@@ -397,14 +397,9 @@ void add_loads(struct problem *p, i64 number, double h)
                 double a = lever[1] * v - lever[2] * y, b = lever[2] * x - lever[0] * v;
                 v = lever[0] * y - lever[1] * x, x = a, y = b;
             }
-            if (entry[5]) {
-                double w = z[row], i = z[row + 1], j = z[row + 2], l = z[row + 3];
-                double f = 2.0 / (w * w + i * i + j * j + l * l);
-                push[row] = -f * (i * x + j * y + l * v), push[row + 1] = f * (w * x + j * v - l * y);
-                push[row + 2] = f * (w * y + l * x - i * v), push[row + 3] = f * (w * v + i * y - j * x);
-            } else {
-                push[row] = x, push[row + 1] = y, push[row + 2] = v;
-            }
+            double vector[3] = {x, y, v};
+            if (entry[5]) push_turn(z + row, vector, push + row);
+            else memcpy(push + row, vector, sizeof vector);
             for (i64 c = 0; c < rows; c++) p->energy[0] += push[c] * dz[c];
             for (i64 i = 0; i < controls; i++) {
                 trivialize(p, push, p->control + i * values + node * rows, out);
