@@ -1,4 +1,4 @@
-"""Cost of contact: a pile of crossed layers of rods that lie on each other, of 40, 200 and 1000 rods of 50 elements.
+"""Cost of contact: a pile of crossed layers of rods that lie on each other, of 100, 300 and 1000 rods of 50 elements.
 
 Every rod touches all rods of the layers above and below it; the ground holds the lowest layer. Each pile runs the same
 steps with contact and without it, in turn; the difference is what contact costs. The search is timed alone.
@@ -16,8 +16,8 @@ from harness import paired, spread, write
 import cayley as cy
 from cayley.steppers.contacts import make_contacts
 
-PILES = {40: (8, 5), 200: (20, 10), 1000: (40, 25)}
-"""Rods -> rods of a layer, layers."""
+PILES = {100: (20, 5), 300: (20, 15), 1000: (20, 50)}
+"""Rods -> rods of a layer, layers: as many neighbors for each, so that what is linear costs each segment the same."""
 ELEMENTS, LENGTH, RADIUS = 50, 1.0, 0.004
 STEP = 2e-5
 RUBBER = cy.Material(density=1200.0, youngs_modulus=5e6, poisson_ratio=0.4)

@@ -304,11 +304,42 @@ def cosseratbench(record: Record) -> str:
     """A table for each experiment of the suite."""
     programs = ", ".join(f"{name} {number}" for name, number in record["programs"].items())
     found = [f"All figures are the suite's own: its result files, default settings; {programs}."]
+    told, nearer = suite.compared(record["rows"])
+    head = ("where a peer is nearer", "figure", "cayley", "best peer", "which", "cayley, fine mesh")
+    found.append(f"{told} Where it is not, a fine mesh tells what the model itself has.\n\n{table(head, nearer)}")
     for name in dict.fromkeys(row["experiment"] for row in record["rows"]):
         rows = [row for row in record["rows"] if row["experiment"] == name]
         head, lines = suite.lines(rows, suite.WANTED.get(name, {}))
         found.append(f"**{name}**, {rows[0]['n_elements']} elements\n\n{table(head, lines)}")
     return "\n\n".join(found)
+
+
+def contact(record: Record) -> str:
+    """Table of what contact costs."""
+    head = (
+        "rods",
+        "segments",
+        "candidates",
+        "contacts",
+        "per candidate and step [ns]",
+        "search, per segment [ns]",
+        "step over that without contact",
+        "deepest [radii]",
+        "defect of the energy over what is lost",
+    )
+    rows = [
+        (
+            *(f"{row[name]:,}".replace(",", " ") for name in ("rods", "segments", "candidates", "contacts")),
+            f"{row['contact_ns_per_candidate']:.0f}",
+            f"{row['search_ns_per_segment']:.0f}",
+            ranged(row["ratio"], 1),
+            f"{row['deepest_radii']:.1e}",
+            f"{row['defect_of_energy']:.1e}",
+        )
+        for row in record["piles"]
+    ]
+    told = f"Rods of {record['elements']} elements in crossed layers of 20, with friction; step {record['dt_s']:g} s."
+    return f"{told}\n\n{table(head, rows)}"
 
 
 SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
@@ -323,6 +354,7 @@ SECTIONS: dict[str, tuple[str, Callable[[Record], str]]] = {
     "sweep": ("Rods drawn by chance", sweep),
     "assembly": ("Joints and closed loops", assembly),
     "statics": ("Equilibria and modes", statics),
+    "contact": ("Contact", contact),
     "cosseratbench": ("The suite cosseratbench", cosseratbench),
 }
 

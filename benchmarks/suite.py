@@ -18,6 +18,44 @@ OBSERVED = {"max_penetration": "sunk in [radii]", "max_rod_overlap": "overlap [r
 """What the suite observes of contact, in radii of the rods."""
 
 
+SLIDES = ("overhang=1.1", "overhang=1.5")
+"""Variants of capstan in which the rope is to slide: how far is no error there."""
+FINE = "cayley, fine mesh"
+"""Solver of the rows that say what the model itself has."""
+
+
+def compared(rows: Sequence[Row]) -> tuple[str, list[list[str]]]:
+    """How cayley compares with the best peer of every figure, and lines of where a peer is nearer to the reference."""
+    cases: dict[tuple[str, str], dict[str, Row]] = {}
+    for row in rows:
+        cases.setdefault((row["experiment"], row["variant"]), {})[row["solver"]] = row
+    figures, faster, finished, found = 0, 0, 0, []
+    for (experiment, variant), case in cases.items():
+        peers = [row for name, row in case.items() if not name.startswith("cayley") and row["outcome"] == "completed"]
+        own = case.get("cayley")
+        if own is None or own["outcome"] != "completed" or not peers:
+            continue
+        finished += len(peers)
+        faster += sum(own["wall_time"] < row["wall_time"] for row in peers)
+        for name in WANTED[experiment]:
+            known = [row for row in peers if row["metrics"].get(name) is not None]
+            if name == "time" or variant in SLIDES or not known:
+                continue
+            best = min(known, key=lambda row: abs(row["metrics"][name]))
+            figures += 1
+            if abs(own["metrics"][name]) > abs(best["metrics"][name]):
+                values = [row["metrics"].get(name) for row in (own, best, case.get(FINE, {"metrics": {}}))]
+                word = name.replace("_", " ")
+                found.append(
+                    [f"{experiment}, {variant}", word, *map(figure, values[:2]), best["solver"], figure(values[2])]
+                )
+    told = (
+        f"Of {figures} figures that a peer has, too, cayley is the nearest to the reference in {figures - len(found)}. "
+    )
+    told += f"It is faster than {faster} of {finished} runs of peers that finish."
+    return told, found
+
+
 def lines(rows: Sequence[Row], wanted: dict[str, float]) -> tuple[list[str], list[list[str]]]:
     """Head and lines of one experiment.
 

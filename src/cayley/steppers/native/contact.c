@@ -8,7 +8,6 @@
  * keeps to |k_t s| <= mu N by slipping (Cundall, Strack 1979). What friction and damping take is told as loss.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include "contact.h"
 #include "contact_laws.h"
@@ -104,9 +103,7 @@ i64 swept(struct contacts *c, struct scene *x, double unit)
     struct scene y = *x;
     struct seen seen, now;
     parts = parts < 200 ? parts : 200;
-    y.point = malloc((size_t)(3 * c->points + 1) * sizeof(double));
-    y.values = malloc((size_t)((c->nodes + 1) * c->rows) * sizeof(double));
-    y.pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
+    y.point = x->between_point, y.values = x->between_values, y.pose = x->between_pose;
     i64 hit = 0;
     for (i64 k = 1; k < parts && !hit; k++) {
         double f = (double)k / (double)parts;
@@ -121,7 +118,6 @@ i64 swept(struct contacts *c, struct scene *x, double unit)
             hit = 1;
         }
     }
-    free(y.point), free(y.values), free(y.pose);
     return hit;
 }
 

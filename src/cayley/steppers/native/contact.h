@@ -43,6 +43,23 @@ struct seen {
     double axis[3];   /* its direction if it is an edge, else zero */
 };
 
+/* A grid of cells, see contact_search.c. Items are segments, then solids that are not planes. */
+struct entry {
+    i64 cell[3];
+    i64 item;
+};
+
+struct grid {
+    double *low, *high; /* boxes, [items][3] */
+    i64 items;
+    i64 *large;         /* whether an item is in no cell, [items] */
+    double cell;        /* size of one */
+    struct entry *entry, *unsorted; /* sorted by bucket, and as found, [count], with room for more */
+    i64 count, room;
+    i64 *start, *next;  /* first entry of each bucket and the next that is free, [buckets + 1] */
+    i64 buckets, bucket_room; /* a power of two */
+};
+
 /* Rotation of a node, as a Cayley vector 2 tan(angle/2) axis. */
 struct turn {
     double vector[3], share; /* 1/(1 + vector^2/4) */
@@ -54,8 +71,10 @@ struct scene {
     double *pose;     /* origin and rotation matrix, [solids][12] */
     struct turn *turn; /* of nodes since the evaluation before, [nodes + 1] */
     double *push;     /* forces and moments on nodes, in space, [nodes + 1][6] */
-    struct touch *touch;
-    i64 count, room;
+    struct touch *touch, *before; /* those listed, and at the search before */
+    i64 count, room, before_room;
+    struct grid grid;
+    double *between_point, *between_values, *between_pose; /* as point, values, pose, on the way in a step */
     i64 *crowd;       /* contacts on each node at the evaluation before, [nodes + 1], */
     i64 *crowding;    /* and at this one */
     double unit;      /* the smallest of those listed */
@@ -106,6 +125,7 @@ i64 look(const struct contacts *c, const struct scene *x, const struct touch *t,
 /* contact_search.c */
 i64 segments_may(const struct contacts *c, i64 a, i64 b);
 i64 search(struct contacts *c, struct scene *x);
+void end_grid(struct grid *g);
 double touch_mass(const struct contacts *c, i64 a, i64 b, i64 slot);
 
 /* A node on which a contact acts. */

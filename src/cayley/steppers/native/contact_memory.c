@@ -69,6 +69,8 @@ i64 begin_contacts(struct contacts *c, const double *values, i64 recalled)
     x->point = malloc(points), x->old_point = malloc(points), x->listed_point = malloc(points);
     x->values = malloc(all), x->old_values = malloc(all), x->listed_values = malloc(all);
     x->pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
+    x->between_point = malloc(points), x->between_values = malloc(all);
+    x->between_pose = malloc((size_t)(12 * c->solids + 1) * sizeof(double));
     x->crowd = calloc((size_t)(c->nodes + 1), sizeof *x->crowd);
     x->crowding = calloc((size_t)(c->nodes + 1), sizeof *x->crowding);
     x->turn = calloc((size_t)(c->nodes + 1), sizeof *x->turn);
@@ -90,7 +92,9 @@ void end_contacts(i64 state)
     struct scene *x = (struct scene *)state;
     free(x->point), free(x->old_point), free(x->listed_point);
     free(x->values), free(x->old_values), free(x->listed_values);
-    free(x->pose), free(x->touch), free(x->crowd), free(x->crowding), free(x->turn), free(x->push), free(x);
+    free(x->between_point), free(x->between_values), free(x->between_pose);
+    end_grid(&x->grid);
+    free(x->pose), free(x->touch), free(x->before), free(x->crowd), free(x->crowding), free(x->turn), free(x->push), free(x);
 }
 
 /* Write all contacts at values: a, b, slot, depth, its unit, normal, place, force along the normal, [most][12]. */

@@ -9,22 +9,6 @@ static const double LARGE = 4.0;     /* what is so many cells long is compared w
 static const double CHORD = 0.25;    /* part of a radius that is left to chords on a cylinder */
 static const double CELL = 1.5;      /* size of a cell in mean sizes of boxes */
 
-struct entry {
-    i64 cell[3];
-    i64 item;
-};
-
-/* Items are segments, then solids that are not planes. */
-struct grid {
-    double *low, *high; /* boxes, [items][3] */
-    i64 items;
-    double cell;
-    struct entry *entry;
-    i64 count;
-    i64 *start;         /* first entry of each bucket, [buckets + 1] */
-    i64 buckets;        /* a power of two */
-};
-
 static i64 found(const i64 *keys, i64 count, i64 key)
 {
     i64 low = 0, high = count;
@@ -196,12 +180,11 @@ static i64 bucket(const struct grid *g, const i64 *cell)
 }
 
 /* Put items into the cells of their boxes, sorted by bucket. */
-static void fill_cells(struct grid *g, const i64 *large)
+static void fill_cells(struct grid *g)
 {
-    i64 room = 0;
-    struct entry *unsorted = 0;
+    g->count = 0;
     for (i64 item = 0; item < g->items; item++) {
-        if (large[item]) continue;
+        if (g->large[item]) continue;
         i64 from[3], to[3];
         for (i64 k = 0; k < 3; k++) {
             from[k] = (i64)floor(g->low[3 * item + k] / g->cell);
@@ -210,26 +193,28 @@ static void fill_cells(struct grid *g, const i64 *large)
         for (i64 i = from[0]; i <= to[0]; i++)
             for (i64 j = from[1]; j <= to[1]; j++)
                 for (i64 k = from[2]; k <= to[2]; k++) {
-                    if (g->count == room) {
-                        room = 2 * room + 256;
-                        unsorted = realloc(unsorted, (size_t)room * sizeof *unsorted);
+                    if (g->count == g->room) {
+                        g->room = 2 * g->room + 256;
+                        g->unsorted = realloc(g->unsorted, (size_t)g->room * sizeof *g->unsorted);
+                        g->entry = realloc(g->entry, (size_t)g->room * sizeof *g->entry);
                     }
-                    unsorted[g->count++] = (struct entry){{i, j, k}, item};
+                    g->unsorted[g->count++] = (struct entry){{i, j, k}, item};
                 }
     }
     for (g->buckets = 64; g->buckets < g->count; g->buckets *= 2) {}
-    g->start = calloc((size_t)g->buckets + 1, sizeof *g->start);
-    g->entry = malloc((size_t)(g->count + 1) * sizeof *g->entry);
-    for (i64 e = 0; e < g->count; e++) g->start[bucket(g, unsorted[e].cell)]++;
+    if (g->buckets > g->bucket_room) {
+        g->bucket_room = g->buckets;
+        g->start = realloc(g->start, (size_t)(g->buckets + 1) * sizeof *g->start);
+        g->next = realloc(g->next, (size_t)(g->buckets + 1) * sizeof *g->next);
+    }
+    memset(g->start, 0, (size_t)(g->buckets + 1) * sizeof *g->start);
+    for (i64 e = 0; e < g->count; e++) g->start[bucket(g, g->unsorted[e].cell)]++;
     for (i64 b = 0, sum = 0; b <= g->buckets; b++) {
         i64 own = b < g->buckets ? g->start[b] : 0;
         g->start[b] = sum, sum += own;
     }
-    i64 *next = malloc((size_t)g->buckets * sizeof *next);
-    memcpy(next, g->start, (size_t)g->buckets * sizeof *next);
-    for (i64 e = 0; e < g->count; e++) g->entry[next[bucket(g, unsorted[e].cell)]++] = unsorted[e];
-    free(next);
-    free(unsorted);
+    memcpy(g->next, g->start, (size_t)g->buckets * sizeof *g->next);
+    for (i64 e = 0; e < g->count; e++) g->entry[g->next[bucket(g, g->unsorted[e].cell)]++] = g->unsorted[e];
 }
 
 /* Whether the overlap of two boxes begins in a cell. */
@@ -277,49 +262,73 @@ static void hand_over(struct scene *x, const struct touch *old, i64 count)
     }
 }
 
+static i64 is_plane(const struct contacts *c, i64 item)
+{
+    return item >= c->segments && c->kind[item - c->segments] == PLANE;
+}
+
+/* Boxes of all items, the size of cells, and which items are too large for them. */
+static void lay_grid(const struct contacts *c, const struct scene *x, struct grid *g)
+{
+    i64 items = c->segments + c->solids;
+    if (!g->low) {
+        g->low = malloc((size_t)(3 * items + 1) * sizeof *g->low);
+        g->high = malloc((size_t)(3 * items + 1) * sizeof *g->high);
+        g->large = malloc((size_t)(items + 1) * sizeof *g->large);
+        g->items = items;
+    }
+    boxes(c, x, g);
+    double sum = 0.0;
+    for (i64 a = 0; a < c->segments; a++) sum += extent(g, a);
+    g->cell = c->segments ? CELL * sum / (double)c->segments : 1.0;
+    if (!isfinite(g->cell) || g->cell <= 0.0) g->cell = 1.0;
+    for (i64 item = 0; item < items; item++) g->large[item] = is_plane(c, item) || !(extent(g, item) <= LARGE * g->cell);
+}
+
+void end_grid(struct grid *g)
+{
+    free(g->low), free(g->high), free(g->large), free(g->entry), free(g->unsorted), free(g->start), free(g->next);
+}
+
+/* Whether a segment is near a plane. */
+static i64 over(const struct contacts *c, const struct scene *x, i64 segment, i64 plane)
+{
+    const double *pose = x->pose + 12 * plane;
+    double n[3] = {pose[5], pose[8], pose[11]}, least = INFINITY;
+    for (i64 e = 0; e < 2; e++) {
+        const double *p = x->point + 3 * c->ends[2 * segment + e];
+        double r[3] = {p[0] - pose[0], p[1] - pose[1], p[2] - pose[2]}, height = DOT(n, r);
+        least = height < least ? height : least;
+    }
+    return least <= c->radius[segment] + x->margin;
+}
+
+/* Compare what is too large for cells with everything. */
+static void with_large(struct contacts *c, struct scene *x, const struct grid *g)
+{
+    for (i64 item = 0; item < g->items; item++) {
+        if (!g->large[item]) continue;
+        i64 plane = is_plane(c, item);
+        for (i64 other = 0; other < g->items; other++) {
+            if (other == item || (g->large[other] && other < item) || (plane && other >= c->segments)) continue;
+            i64 near = plane ? over(c, x, other, item - c->segments) : overlap(g, item, other);
+            if (near) pair(c, x, item < other ? item : other, item < other ? other : item);
+        }
+    }
+}
+
 /* List what is nearer than the margin, in an order that depends on nothing else, so that sums do not. */
 i64 search(struct contacts *c, struct scene *x)
 {
     struct touch *old = x->touch;
-    i64 before = x->count, items = c->segments + c->solids;
-    struct grid g = {.items = items};
-    g.low = malloc((size_t)(3 * items + 1) * sizeof *g.low);
-    g.high = malloc((size_t)(3 * items + 1) * sizeof *g.high);
-    i64 *large = calloc((size_t)items + 1, sizeof *large);
-    x->touch = 0, x->count = x->room = 0;
-    boxes(c, x, &g);
-    double sum = 0.0;
-    for (i64 a = 0; a < c->segments; a++) sum += extent(&g, a);
-    g.cell = c->segments ? CELL * sum / (double)c->segments : 1.0;
-    if (!isfinite(g.cell) || g.cell <= 0.0) g.cell = 1.0;
-    for (i64 item = 0; item < items; item++) {
-        i64 plane = item >= c->segments && c->kind[item - c->segments] == PLANE;
-        large[item] = plane || !(extent(&g, item) <= LARGE * g.cell);
-    }
-    fill_cells(&g, large);
-    in_cells(c, x, &g);
-    for (i64 item = 0; item < items; item++) {
-        if (!large[item]) continue;
-        i64 plane = item >= c->segments && c->kind[item - c->segments] == PLANE;
-        for (i64 other = 0; other < items; other++) {
-            if (other == item || (large[other] && other < item)) continue;
-            if (plane) {
-                if (other >= c->segments) continue;
-                const double *pose = x->pose + 12 * (item - c->segments);
-                double n[3] = {pose[5], pose[8], pose[11]}, far = c->radius[other] + x->margin, least = INFINITY;
-                for (i64 e = 0; e < 2; e++) {
-                    const double *p = x->point + 3 * c->ends[2 * other + e];
-                    double r[3] = {p[0] - pose[0], p[1] - pose[1], p[2] - pose[2]}, height = DOT(n, r);
-                    least = height < least ? height : least;
-                }
-                if (least > far) continue;
-            } else if (!overlap(&g, item, other)) continue;
-            pair(c, x, item < other ? item : other, item < other ? other : item);
-        }
-    }
+    i64 before = x->count, room = x->room;
+    x->touch = x->before, x->room = x->before_room, x->count = 0;
+    x->before = old, x->before_room = room;
+    lay_grid(c, x, &x->grid);
+    fill_cells(&x->grid);
+    in_cells(c, x, &x->grid);
+    with_large(c, x, &x->grid);
     qsort(x->touch, (size_t)x->count, sizeof *x->touch, in_order);
     hand_over(x, old, before);
-    free(old);
-    free(g.low), free(g.high), free(g.entry), free(g.start), free(large);
     return x->count;
 }
