@@ -6,16 +6,11 @@ programs take turns.
 """
 
 import argparse
-import json
-import subprocess
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from harness import HERE, distance, paired, spread, write
-from peer import environment
+from peer import FAILED, Peer, Run, environment, peer, versions
 
 import cayley as cy
 
@@ -28,66 +23,13 @@ EXACT = (-0.94009, 0.0, -0.09910)
 """Tip at 1 s [m]: limit of the rule ``verlet`` for fine meshes."""
 STABLE = 0.03
 """Tip error [m] above which a run counts as blown up; the coarsest mesh has 0.013."""
-PEER = HERE / "peers" / "pyelastica_pendulum.py"
 VENV = HERE / ".venv-peers"
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """One run to 1 s.
-
-    Args:
-        steps: number of steps.
-        dt: time step [s].
-        wall_time: time of the loop alone [s].
-        tip: position of the free end at 1 s [m], None after a blow-up.
-    """
-
-    steps: int
-    dt: float
-    wall_time: float
-    tip: tuple[float, ...] | None
-
-    @property
-    def error(self) -> float:
-        """Largest error of the tip in any component [m], infinite after a blow-up."""
-        return float("inf") if self.tip is None else distance(self.tip, EXACT)
-
-
-class Peer:
-    """PyElastica, waiting for runs in a process of its own."""
-
-    def __init__(self, process: "subprocess.Popen[str]") -> None:
-        """Hold the process."""
-        self._process = process
-
-    def run(self, elements: int, dt: float) -> Run:
-        """Let it run the pendulum."""
-        source, sink = self._process.stdout, self._process.stdin
-        assert source is not None
-        assert sink is not None
-        sink.write(json.dumps({"elements": elements, "dt": dt, "t_end": 1.0}) + "\n")
-        sink.flush()
-        line = source.readline()
-        if not line:
-            raise RuntimeError(f"PyElastica ended without an answer at {elements} elements, dt {dt:g} s; see above")
-        answer = json.loads(line)
-        return Run(answer["steps"], answer["dt"], answer["wall_time"], answer["tip"] and tuple(answer["tip"]))
 
 
 def peer_python() -> Path:
     """Interpreter that has PyElastica: $PYELASTICA_PYTHON, or that of an environment made here at first use."""
     wanted = ["-r", str(HERE / "peers" / "requirements.txt")]
     return environment("PYELASTICA_PYTHON", VENV, wanted, what="PyElastica")
-
-
-@contextmanager
-def peer(python: Path) -> Iterator[Peer]:
-    """PyElastica in a process that ends with the block."""
-    with subprocess.Popen([python, PEER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        yield Peer(process)
-        if process.stdin is not None:
-            process.stdin.close()
 
 
 def ours(elements: int, dt: float, rule: Any = None) -> Run:
@@ -99,15 +41,20 @@ def ours(elements: int, dt: float, rule: Any = None) -> Run:
     try:
         run = cy.simulate(model, t_end=1.0, dt=dt, rule=rule or cy.rules.verlet, save_every=1.0)
     except (ValueError, cy.SimulationError):  # the step is over our limit
-        return Run(0, dt, float("inf"), None)
+        return FAILED
     tip = run[rod].position.isel(time=-1, node=-1).values
     return Run(run.steps, run.dt, run.wall_time, tuple(tip.tolist()))
+
+
+def theirs(elastica: Peer, elements: int, dt: float) -> Run:
+    """The pendulum in PyElastica."""
+    return elastica.run(elements=elements, dt=dt, t_end=1.0)
 
 
 def common_step(elastica: Peer, elements: int) -> float:
     """Largest candidate step with which both programs run through [s]."""
     for dt in STEPS:
-        if ours(elements, dt).error < STABLE and elastica.run(elements, dt).error < STABLE:
+        if max(run.error(EXACT) for run in (ours(elements, dt), theirs(elastica, elements, dt))) < STABLE:
             return dt
     raise RuntimeError(f"no step of {STEPS} is stable for both programs at {elements} elements")
 
@@ -115,16 +62,16 @@ def common_step(elastica: Peer, elements: int) -> float:
 def compare(elastica: Peer, elements: int, repeats: int) -> dict[str, Any]:
     """Time both programs in turn at one number of elements."""
     dt = common_step(elastica, elements)
-    mine, theirs = ours(elements, dt), elastica.run(elements, dt)
-    if mine.steps != theirs.steps:
-        raise RuntimeError(f"{mine.steps} steps against {theirs.steps}: the programs do not do the same")
-    pairs = paired(lambda: elastica.run(elements, dt).wall_time, lambda: ours(elements, dt).wall_time, repeats)
+    mine, other = ours(elements, dt), theirs(elastica, elements, dt)
+    if mine.steps != other.steps:
+        raise RuntimeError(f"{mine.steps} steps against {other.steps}: the programs do not do the same")
+    pairs = paired(lambda: theirs(elastica, elements, dt).wall_time, lambda: ours(elements, dt).wall_time, repeats)
     ratio = spread(pairs.ratios)
     wanted = WANTED.get(elements)
     print(
         f"{elements:4d} elements, dt {mine.dt:.3g} s: {ratio['median']:.1f} times faster"
         f" ({ratio['min']:.1f} to {ratio['max']:.1f}){f', wanted {wanted:g}' if wanted else ''};"
-        f" tip error cayley {mine.error:.1e}, PyElastica {theirs.error:.1e} m"
+        f" tip error cayley {mine.error(EXACT):.1e}, PyElastica {other.error(EXACT):.1e} m"
     )
     return {
         "elements": elements,
@@ -133,13 +80,13 @@ def compare(elastica: Peer, elements: int, repeats: int) -> dict[str, Any]:
         "times_faster": ratio,
         "times_faster_wanted": wanted,
         "cayley": _describe(mine, pairs.second),
-        "pyelastica": _describe(theirs, pairs.first),
+        "pyelastica": _describe(other, pairs.first),
     }
 
 
 def _describe(run: Run, times: tuple[float, ...]) -> dict[str, Any]:
     microseconds = spread([1e6 * t / run.steps for t in times])
-    return {"loop_s": spread(times), "us_per_step": microseconds, "tip_m": run.tip, "tip_error_m": run.error}
+    return {"loop_s": spread(times), "us_per_step": microseconds, "tip_m": run.tip, "tip_error_m": run.error(EXACT)}
 
 
 def _add_own_errors(rows: list[dict[str, Any]]) -> None:
@@ -163,16 +110,14 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder of the JSON file")
     given = parser.parse_args()
     python = peer_python()
-    asked = "from importlib.metadata import version; print(version('pyelastica'), version('numba'), version('numpy'))"
-    told = subprocess.run([python, "-c", asked], capture_output=True, text=True, check=True).stdout.split()
-    with peer(python) as elastica:
+    with peer(python, "pyelastica_pendulum.py") as elastica:
         rows = [compare(elastica, elements, given.repeats) for elements in given.elements]
     _add_own_errors(rows)
     figures = {
         "problem": "rubber pendulum: length 1 m, radius 5 mm, E 5e6 Pa, nu 0.5, 1100 kg/m3, pinned, let go horizontal",
         "rule": "`verlet` against PyElastica's position Verlet, no damping",
         "tip_exact_m": EXACT,
-        "peer": dict(zip(("pyelastica", "numba", "numpy"), told, strict=True)),
+        "peer": versions(python, "pyelastica", "numba", "numpy"),
         "rows": rows,
     }
     write("pyelastica", figures, to=given.out)

@@ -1,6 +1,6 @@
 """Tables of cosseratbench, from what benchmarks/cosseratbench.py collected."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 Row = dict[str, Any]
@@ -31,29 +31,32 @@ def compared(rows: Sequence[Row]) -> tuple[str, list[list[str]]]:
         cases.setdefault((row["experiment"], row["variant"]), {})[row["solver"]] = row
     figures, faster, finished, found = 0, 0, 0, []
     for (experiment, variant), case in cases.items():
-        peers = [row for name, row in case.items() if not name.startswith("cayley") and row["outcome"] == "completed"]
+        peers = [row for row in case.values() if not row["solver"].startswith("cayley") and _finished(row)]
         own = case.get("cayley")
-        if own is None or own["outcome"] != "completed" or not peers:
+        if own is None or not _finished(own):
             continue
         finished += len(peers)
         faster += sum(own["wall_time"] < row["wall_time"] for row in peers)
-        for name in WANTED[experiment]:
-            known = [row for row in peers if row["metrics"].get(name) is not None]
-            if name == "time" or variant in SLIDES or not known:
-                continue
-            best = min(known, key=lambda row: abs(row["metrics"][name]))
-            figures += 1
-            if abs(own["metrics"][name]) > abs(best["metrics"][name]):
-                values = [row["metrics"].get(name) for row in (own, best, case.get(FINE, {"metrics": {}}))]
-                word = name.replace("_", " ")
-                found.append(
-                    [f"{experiment}, {variant}", word, *map(figure, values[:2]), best["solver"], figure(values[2])]
-                )
+        model = case.get(FINE) or cases.get((experiment, "default"), {}).get(FINE) or {"metrics": {}}
+        for name in sorted(WANTED[experiment].keys() - {"time"}) if variant not in SLIDES else ():
+            best = min((row for row in peers if name in row["metrics"]), key=_size(name), default=None)
+            figures += best is not None
+            if best is not None and _size(name)(own) > _size(name)(best):
+                values = [figure(row["metrics"].get(name)) for row in (own, best, model)]
+                found.append([f"{experiment}, {variant}", name.replace("_", " "), *values, best["solver"]])
     told = (
         f"Of {figures} figures that a peer has, too, cayley is the nearest to the reference in {figures - len(found)}. "
     )
-    told += f"It is faster than {faster} of {finished} runs of peers that finish."
-    return told, found
+    return f"{told}It is faster than {faster} of {finished} runs of peers that finish.", found
+
+
+def _finished(row: Row) -> bool:
+    return bool(row["outcome"] == "completed")
+
+
+def _size(name: str) -> Callable[[Row], float]:
+    """Size of a figure of a row."""
+    return lambda row: float(abs(row["metrics"][name]))
 
 
 def lines(rows: Sequence[Row], wanted: dict[str, float]) -> tuple[list[str], list[list[str]]]:
@@ -73,29 +76,18 @@ def lines(rows: Sequence[Row], wanted: dict[str, float]) -> tuple[list[str], lis
         told += [figure(row["observations"].get(name)) for name in observed]
         if row["outcome"] != "completed":
             told[0] = reason(row)
-        found.append([row["variant"], row["solver"], seconds(row["wall_time"], bounds.get("time")), *told])
+        found.append([row["variant"], row["solver"], figure(row["wall_time"], bounds.get("time"), ".3g"), *told])
     return [*head, *(OBSERVED[name] for name in observed)], found
 
 
-def figure(value: float | None, bound: float | None = None) -> str:
-    """A figure with two digits, and whether it keeps its bound to these."""
+def figure(value: float | None, bound: float | None = None, form: str = ".1e") -> str:
+    """A figure, and whether it keeps its bound to the digits shown."""
     if value is None:
         return ""
-    kept = "" if bound is None else f" (≤ {bound:.1e}, {'kept' if rounded(value) <= bound else 'MISSED'})"
-    return f"{value:.1e}{kept}"
-
-
-def rounded(value: float) -> float:
-    """Size to two digits."""
-    return float(f"{abs(value):.1e}")
-
-
-def seconds(value: float | None, bound: float | None = None) -> str:
-    """A time, and whether it keeps its bound."""
-    if value is None:
-        return ""
-    kept = "" if bound is None else f" (≤ {bound:g}, {'kept' if value <= bound else 'MISSED'})"
-    return f"{value:.3g}{kept}"
+    shown, kept = f"{value:{form}}", ""
+    if bound is not None:
+        kept = f" (≤ {bound:{form}}, {'kept' if abs(float(shown)) <= bound else 'MISSED'})"
+    return f"{shown}{kept}"
 
 
 def reason(row: Row) -> str:
