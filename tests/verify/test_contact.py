@@ -72,6 +72,28 @@ def test_an_implicit_rule_closes_the_balance_to_second_order():
     assert_order([np.abs(run.energy_balance.defect.values).max() for run in runs], within=0.35)
 
 
+@pytest.mark.parametrize(
+    ("rule", "dt"), [(cy.rules.midpoint, 1e-3), (cy.rules.verlet, 1e-4)], ids=["midpoint", "verlet"]
+)
+@pytest.mark.filterwarnings("ignore::cayley.ContactDepthWarning")
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_rods_that_meet_along_each_other(friction, rule, dt):
+    """Where they come nearest jumps from end to end as they rock; steps are solved and momenta kept nevertheless."""
+    random, section = np.random.default_rng(0), cy.Section.circle(0.005, RUBBER)
+    rods, initial = [], {}
+    for k in range(3):
+        rod = cy.Rod(section, length=0.3, origin=(-0.15, 0.004 * (k % 2), 0.012 * k), direction=(1, 0, 0), elements=15)
+        velocity = [*(0.02 * random.standard_normal(2)), 0.3 * (1 - k)]
+        initial[rod] = {"velocity": np.broadcast_to(velocity, (16, 3))}
+        rods.append(rod)
+    model = cy.Model(*rods, contact=cy.Contact(friction=friction))
+    run = cy.simulate(model, 0.1, dt=dt, rule=rule, save_every=0.005, initial=initial)
+    assert run.contacts.deepest[-1] > 0.01
+    for momentum in (run.linear_momentum.values, run.angular_momentum.values):
+        assert np.abs(momentum - momentum[0]).max() < 1e-14
+    assert np.abs(run.energy_balance.defect.values).max() < 0.2 * run.energy.values[0]
+
+
 def test_turning_everything_turns_the_answer():
     shift = np.array([0.4, -0.3, 0.7])
     one, other = (impact(4e-5, turn=turn, shift=way, friction=0.5) for turn, way in ((None, (0, 0, 0)), (TURN, shift)))

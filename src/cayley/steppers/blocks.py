@@ -73,8 +73,13 @@ class Blocks:
         return found
 
 
+def distinct(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Every pair of numbers below count once, in order, shape (k, 2); as numbers they are sorted much faster."""
+    return np.stack(np.divmod(np.unique(pairs[:, 0] * count + pairs[:, 1]), count), axis=1)
+
+
 def _lists(pairs: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Starts and entries of the lists of second members by first member, each pair once."""
-    pairs = np.unique(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), axis=0)
+    pairs = distinct(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), count)
     start = np.searchsorted(pairs[:, 0], np.arange(count + 1)).astype(np.int64)
     return start, np.append(pairs[:, 1], 0).astype(np.int64)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cayley.steppers.arrays import coupling_places, places
-from cayley.steppers.blocks import Blocks
+from cayley.steppers.blocks import Blocks, distinct
 from cayley.steppers.contacts import Contacts
 from cayley.steppers.native import address
 from cayley.steppers.problem import Problem
@@ -75,7 +75,7 @@ class ContactPlan:
             both = nodes[:, [a, b]]
             found.append(self.made.plan.block_of[both[(both >= 0).all(axis=1)]])
         pairs = np.sort(np.concatenate(found), axis=1)
-        return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
+        return distinct(pairs[pairs[:, 0] != pairs[:, 1]], len(self.made.plan.blocks.sizes))
 
     def _eliminate(self, pairs: np.ndarray) -> None:
         """Plan the elimination with more pairs, and move everything to its new place."""

@@ -96,7 +96,8 @@ static void look_ahead(struct contacts *c, struct scene *x)
     list_near(c, x);
 }
 
-/* Whether partners that touch neither before nor now touched in between. */
+/* Whether partners that touch neither before nor now touched in between. A graze of two rods, which may as well be one that
+ * hands its contact on from element to element, is no passage. */
 i64 swept(struct contacts *c, struct scene *x, double unit)
 {
     i64 parts = (i64)ceil(2.0 * x->stride / (SWEEP * unit));
@@ -112,8 +113,9 @@ i64 swept(struct contacts *c, struct scene *x, double unit)
         place_solids(c, y.values, y.pose);
         for (i64 n = 0; n < x->count && !hit; n++) {
             struct touch *t = x->touch + n;
-            if (t->touching || !look(c, &y, t, &seen) || seen.depth <= 0.0) continue;
-            if (look(c, x, t, &now) && now.depth > 0.0) continue; /* they touch now, too */
+            i64 both = t->b < c->segments;
+            if (t->touching || !look(c, &y, t, &seen) || seen.depth <= (both ? FASTEST * t->unit : 0.0)) continue;
+            if ((look(c, x, t, &now) || both) && now.depth > 0.0) continue; /* they touch now, too, or others of the two rods */
             c->blame[0] = t->a, c->blame[1] = t->b;
             hit = 1;
         }

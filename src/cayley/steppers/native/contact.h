@@ -33,7 +33,9 @@ struct seen {
     i64 count_a, count_b;
     i64 point_a[4], point_b[4]; /* points that the two centers are means of, [count_a], [count_b] */
     double weight_a[4], weight_b[4];
-    i64 inside;       /* whether both centers are between the ends of their segments */
+    double on_a, on_b; /* where the centers are along their segments, 0 to 1 */
+    i64 inside;       /* whether both are between the ends */
+    i64 elsewhere;    /* whether a rod touches with another segment instead */
     double gap[3];    /* from the point of b to that of a, centers of segments */
     double distance;  /* its length, with its sign */
     double apart;     /* how far two segments that do not touch are from it, else 0 */
@@ -83,6 +85,8 @@ struct scene {
     double gone;      /* sum of these */
     double loss;      /* by friction and damping in a step of an implicit rule */
     i64 listed;       /* 1: as explicit rules want it, 2: as implicit ones do */
+    struct seen *held; /* where segments come nearest, [stages][count], if that is held while a step is solved */
+    i64 held_room, holding;
 };
 
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
@@ -121,6 +125,8 @@ i64 look_at_solid(const struct contacts *c, const struct scene *x, const struct 
 void rotation_matrix(const double *quaternion, double *matrix);
 void closest(const double *a, const double *u, const double *b, const double *v, double *s, double *t);
 i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen);
+double hold_meetings(const struct contacts *c, const struct scene *x, struct seen *held);
+i64 look_at_held(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *held, struct seen *seen);
 
 /* contact_search.c */
 i64 segments_may(const struct contacts *c, i64 a, i64 b);

@@ -4,10 +4,11 @@
  * from those at the start. What is remembered changes once the step is solved.
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include "contact_laws.h"
 
-static const double STEPS = 10.0; /* steps that a list is to last */
+static const double STEPS = 3.0; /* steps that a list is to last */
 
 /* A contact at a stage: force on the first partner, and its derivative by the way of the centers and of the surfaces. */
 struct answer {
@@ -168,11 +169,14 @@ void add_contacts(struct problem *p, double h, i64 tangent)
             struct touch *t = x->touch + n;
             struct foot foot[8], surface[8];
             double way[3] = {0.0, 0.0, 0.0}, turned[3] = {0.0, 0.0, 0.0}, slip[3];
-            if (!look(c, x, t, &seen) || seen.depth <= t->allowed) continue;
+            i64 held = x->holding && t->b < c->segments;
+            i64 near = held ? look_at_held(c, x, t, x->held + k * x->count + n, &seen) : look(c, x, t, &seen);
+            if (!near || seen.depth <= t->allowed) continue;
             i64 count = feet(c, x, t, &seen, 0.0, foot);
             feet(c, x, t, &seen, 1.0, surface);
             for (i64 m = 0; m < count; m++) way_of(c, x, surface[m].node, surface[m].lever, surface[m].weight, way, turned);
-            double along = DOT(way, seen.normal), before = t->touching ? t->depth : 0.0, grown = seen.depth - before;
+            double along = DOT(way, seen.normal), grown = seen.depth - (t->touching ? t->depth : 0.0);
+            if (!t->touching && grown > -along) grown = -along; /* another segment of the rod was that deep before */
             law_of(t->stiffness, c->soft * t->unit, seen.depth - t->allowed, &law);
             carry(t->slip, turned, seen.normal, slip);
             answer_of(c, t, &seen, &law, way, slip, grown, part * h, &answer);
@@ -183,6 +187,33 @@ void add_contacts(struct problem *p, double h, i64 tangent)
             x->loss += p->weights[k] / part * (resist * grown - DOT(answer.tangential, way) + along * DOT(answer.tangential, seen.normal));
         }
     }
+}
+
+/* Hold where segments come nearest at the stages; returns how far those that touch have moved since it was done last, in
+ * radii. */
+double hold_contacts(struct problem *p)
+{
+    struct contacts *c = p->contacts;
+    struct scene *x = (struct scene *)c->state;
+    double most = 0.0;
+    if (p->stages * x->count > x->held_room) {
+        x->held_room = p->stages * x->count;
+        x->held = realloc(x->held, (size_t)x->held_room * sizeof *x->held);
+    }
+    if (!x->holding) memset(x->held, 0, (size_t)(p->stages * x->count) * sizeof *x->held);
+    x->holding = 1;
+    for (i64 k = 0; k < p->stages; k++) {
+        at_stage(p, k, x->values);
+        take_places(c, x);
+        double far = hold_meetings(c, x, x->held + k * x->count);
+        most = far > most ? far : most;
+    }
+    return most;
+}
+
+void release_contacts(struct problem *p)
+{
+    ((struct scene *)p->contacts->state)->holding = 0;
 }
 
 /* Let the list know all that may touch in the next step from the first control; returns whether it changed. */

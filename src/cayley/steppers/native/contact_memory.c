@@ -94,7 +94,7 @@ void end_contacts(i64 state)
     free(x->values), free(x->old_values), free(x->listed_values);
     free(x->between_point), free(x->between_values), free(x->between_pose);
     end_grid(&x->grid);
-    free(x->pose), free(x->touch), free(x->before), free(x->crowd), free(x->crowding), free(x->turn), free(x->push), free(x);
+    free(x->pose), free(x->touch), free(x->before), free(x->held), free(x->crowd), free(x->crowding), free(x->turn), free(x->push), free(x);
 }
 
 /* Write all contacts at values: a, b, slot, depth, its unit, normal, place, force along the normal, [most][12]. */

@@ -119,6 +119,8 @@ static double nearest(double p[4][3], double q[4][3], double *s, double *t, doub
         *s = clamp(*s + ds, 0.0, 1.0), *t = clamp(*t + dt, 0.0, 1.0);
         if (fabs(*s - before[0]) + fabs(*t - before[1]) < 1e-13) break;
     }
+    on_curve(p, *s, a, u, over), on_curve(q, *t, b, v, under); /* it may have been stopped: forces go along the gap as it is */
+    for (i64 k = 0; k < 3; k++) gap[k] = a[k] - b[k];
     return DOT(gap, gap);
 }
 
@@ -152,9 +154,9 @@ static i64 hands_on(const struct contacts *c, i64 segment, i64 other, double p[4
     return nearer > 1e-9 * sqrt(DOT(gap, gap) * DOT(way, way)) && allowed(c, segment + 1, other);
 }
 
-/* Segments touch as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the curve that
- * rounds it does. */
-static i64 look_at_segment(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
+/* Where two segments come nearest: as capsules; in the hollow of a bend, where the corner of two capsules would be a notch, the
+ * curve that rounds it does. Returns whether they touch; any: tell the place whatever. */
+static i64 meet(const struct contacts *c, const struct scene *x, const struct touch *t, i64 any, struct seen *seen)
 {
     double p[4][3], q[4][3], u[3], v[3], gap[3], s, r;
     about(c, x, t->a, p), about(c, x, t->b, q);
@@ -167,27 +169,34 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
     if (distance >= sum + round) {
         double most = sagging(p) + sagging(q); /* however it turns */
         seen->apart = distance > sum + most ? distance - sum - most : 0.0;
-        return 0;
+        if (!any) return 0;
     }
     double on_a = s, on_b = r, curved = round > 0.0 ? nearest(p, q, &on_a, &on_b, gap) : INFINITY;
-    if (curved < square) {
+    i64 rounds = curved < square;
+    if (rounds) {
         square = curved, s = on_a, r = on_b;
         memcpy(seen->gap, gap, sizeof gap);
-        stand_curved(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
-        stand_curved(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
-    } else {
-        stand(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
-        stand(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
     }
-    double center[3] = {0.0, 0.0, 0.0};
-    distance = sqrt(square);
-    seen->depth = sum - distance, seen->distance = distance;
-    if (seen->depth <= 0.0) return 0;
+    if (!any && sum - sqrt(square) <= 0.0) {
+        seen->depth = sum - sqrt(square);
+        return 0;
+    }
+    (rounds ? stand_curved : stand)(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
+    (rounds ? stand_curved : stand)(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
+    seen->on_a = s, seen->on_b = r, seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
     /* with friction both stay: what sticks to one, or may overlap, is not to be forgotten when the other is nearer by a hair */
     i64 other = hands_on(c, t->a, t->b, p, s, seen->gap, 1.0) || hands_on(c, t->b, t->a, q, r, seen->gap, -1.0);
-    if (t->friction == 0.0 && c->relax == 0.0 && other) return 0;
+    seen->elsewhere = t->friction == 0.0 && c->relax == 0.0 && other;
+    return 1;
+}
+
+/* What follows from the centers and the gap between them. */
+static i64 show(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
+{
+    double center[3] = {0.0, 0.0, 0.0}, distance = sqrt(DOT(seen->gap, seen->gap));
+    seen->depth = c->radius[t->a] + c->radius[t->b] - distance, seen->distance = distance;
+    if (seen->depth <= 0.0 || seen->elsewhere) return 0;
     for (i64 k = 0; k < 3; k++) seen->normal[k] = distance > 0.0 ? seen->gap[k] / distance : t->normal[k];
-    seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;
     seen->arm_a = c->radius[t->a] - 0.5 * seen->depth, seen->arm_b = c->radius[t->b] - 0.5 * seen->depth;
     for (i64 n = 0; n < seen->count_a; n++)
         for (i64 k = 0; k < 3; k++) center[k] += seen->weight_a[n] * x->point[3 * seen->point_a[n] + k];
@@ -197,9 +206,42 @@ static i64 look_at_segment(const struct contacts *c, const struct scene *x, cons
     return 1;
 }
 
+/* Hold the places where all pairs of segments come nearest; returns how far those that touch were from the places held
+ * before, in radii. */
+double hold_meetings(const struct contacts *c, const struct scene *x, struct seen *held)
+{
+    double most = 0.0;
+    for (i64 n = 0; n < x->count; n++) {
+        const struct touch *t = x->touch + n;
+        struct seen now;
+        if (t->b >= c->segments) continue;
+        meet(c, x, t, 1, &now);
+        if (now.depth > 0.0) {
+            double a = fabs(now.on_a - held[n].on_a) * c->length[t->a], b = fabs(now.on_b - held[n].on_b) * c->length[t->b];
+            double far = now.elsewhere != held[n].elsewhere ? INFINITY : (a > b ? a : b) / t->unit;
+            most = far > most ? far : most;
+        }
+        held[n] = now;
+    }
+    return most;
+}
+
+/* How two segments touch at the places that are held. */
+i64 look_at_held(const struct contacts *c, const struct scene *x, const struct touch *t, const struct seen *held, struct seen *seen)
+{
+    *seen = *held;
+    for (i64 k = 0; k < 3; k++) {
+        seen->gap[k] = 0.0;
+        for (i64 n = 0; n < seen->count_a; n++) seen->gap[k] += seen->weight_a[n] * x->point[3 * seen->point_a[n] + k];
+        for (i64 n = 0; n < seen->count_b; n++) seen->gap[k] -= seen->weight_b[n] * x->point[3 * seen->point_b[n] + k];
+    }
+    return show(c, x, t, seen);
+}
+
 /* How two partners touch; returns whether there is anything to be seen: depth may be negative then. */
 i64 look(const struct contacts *c, const struct scene *x, const struct touch *t, struct seen *seen)
 {
     seen->apart = 0.0;
-    return t->b < c->segments ? look_at_segment(c, x, t, seen) : look_at_solid(c, x, t, seen);
+    if (t->b >= c->segments) return look_at_solid(c, x, t, seen);
+    return meet(c, x, t, 0, seen) && show(c, x, t, seen);
 }

@@ -341,6 +341,8 @@ void end_contacts(i64 state);
 
 /* contact_implicit.c */
 void add_contacts(struct problem *p, double h, i64 tangent);
+double hold_contacts(struct problem *p);
+void release_contacts(struct problem *p);
 i64 list_contacts(struct problem *p, i64 again);
 void contact_nodes(struct contacts *c, i64 *out);
 i64 contact_count(const struct contacts *c);

@@ -23,7 +23,8 @@ static const double STEP_TOLERANCE = 1e-9;  /* with a new tangent the next corre
 static const double LEFT_TOLERANCE = 1e-16; /* what corrections with one tangent may leave in all */
 static const double SLOW = 0.15;            /* a rate of corrections that asks for a new tangent whatever it costs */
 static const double SMALL_CORRECTION = 1e-5; /* with a new tangent one more correction is enough */
-static const double FLOOR = 1e-6;           /* below, a correction that no longer shrinks is rounding */
+static const double FLOOR = 1e-6;           /* below, a correction that no longer shrinks by this is rounding */
+static const double IDLE = 0.3, IDLE_TOUCHING = 0.9; /* (tangents of contacts are not exact) */
 static const double LARGEST_TURN = 1.0;     /* longest correction of a rotation [rad] */
 static const double LARGEST_GROWTH = 2.0;   /* a correction so many times the one before is too long */
 static const double WILD_GROWTH = 10.0;     /* the quick try is given up when a correction is so much longer */
@@ -32,6 +33,8 @@ static const double FIRST_PART = 1.0 / 16.0; /* the solution is followed from th
 static const double SHORTEST_PART = 1e-4;    /* if need be down to this, */
 static const double SMALLEST_GROWTH = 1.0002;  /* by factors that fall from 2 to this */
 
+static const i64 ROUNDS = 5;       /* times that places of contacts are held while a step is solved, */
+static const double HELD = 1e-3;   /* unless they stay within so much of a radius */
 static const i64 LONGER = 8; /* tries with longer lists of contacts */
 
 static const i64 SINGULAR = -1; /* what newton returns where there is no first correction */
@@ -137,7 +140,7 @@ static i64 newton(struct problem *p, i64 number, double begin, double h, i64 car
         move_multipliers(p, p->taken, part);
         hold(p);
         double rate = size / last; /* 0 at first */
-        i64 settled = size <= STEP_TOLERANCE || (size <= FLOOR && rate > 0.3);
+        i64 settled = size <= STEP_TOLERANCE || (size <= FLOOR && rate > (p->contacts ? IDLE_TOUCHING : IDLE));
         if ((fresh && settled) || (rate > 0.0 && rate < SLOW && size * rate <= LEFT_TOLERANCE)) {
             assemble(p, number, begin, h, 0); /* momenta of the corrected nodes, and what is left */
             return 1;
@@ -232,19 +235,48 @@ static i64 renew(struct problem *p, i64 again)
     return list_contacts(p, again) ? ((i64(*)(void))p->renew)() : 0;
 }
 
-/* Solve the equations of a step. */
+/* Solve a step with the places held where rods come nearest to rods, and again from there until they stay. They jump where rods
+ * lie along each other; then any is as good, for forces are opposite and along the same line wherever they act. */
+static i64 solve_held(struct problem *p, i64 number, double begin, i64 *passes, i64 *worst)
+{
+    i64 size = (p->stages + 1) * (p->nodes + 1) * p->rows, count = 0, solved = 0;
+    for (i64 safest = 0; safest < 2 && !solved; safest++) {
+        first_guess(p, p->warm || number > 0, safest, begin, p->h);
+        for (i64 round = 0; round < ROUNDS; round++) {
+            if (hold_contacts(p) < HELD && round) break;
+            i64 now = newton(p, number, begin, p->h, 1, passes, worst) == 1;
+            count += *passes;
+            if (!now && solved) { /* the last ones were good, too */
+                memcpy(p->control, p->reached, (size_t)size * sizeof(double));
+                hold_contacts(p);
+                now = newton(p, number, begin, p->h, 1, passes, worst) == 1;
+            }
+            solved = now;
+            if (!now) break;
+            memcpy(p->reached, p->control, (size_t)size * sizeof(double));
+        }
+        release_contacts(p);
+    }
+    *passes = count;
+    return solved;
+}
+
+/* Solve the equations of a step: quickly, then with care, then from the safest start, too; with contacts, the places of these
+ * are held before that. */
 static i64 solve_step(struct problem *p, i64 number, double begin)
 {
     i64 passes = 0, worst = 0, solved = 0;
-    for (i64 attempt = 0; attempt < 3 && solved != 1; attempt++) { /* then with care, then from the safest start, too */
-        first_guess(p, p->warm || number > 0, attempt > 1, begin, p->h);
-        solved = newton(p, number, begin, p->h, attempt > 0, &passes, &worst);
+    for (i64 attempt = 0; attempt < 5 && solved != 1; attempt++) {
+        if (attempt == 1 && !p->contacts) continue;
+        if (attempt == 4 && solved == SINGULAR) break;
+        if (attempt == 1) solved = solve_held(p, number, begin, &passes, &worst);
+        else if (attempt == 4) solved = follow(p, number, begin, p->h, &passes, &worst);
+        else {
+            first_guess(p, p->warm || number > 0, attempt > 2, begin, p->h);
+            solved = newton(p, number, begin, p->h, attempt > 0, &passes, &worst);
+        }
         p->counts[0] += passes;
-        if (passes > p->counts[1]) p->counts[1] = passes;
-    }
-    if (!solved) {
-        solved = follow(p, number, begin, p->h, &passes, &worst);
-        p->counts[0] += passes;
+        if (attempt < 4 && passes > p->counts[1]) p->counts[1] = passes;
     }
     p->counts[3] = worst;
     return solved == 1;
