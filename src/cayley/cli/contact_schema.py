@@ -24,6 +24,7 @@ class ContactTable(Table):
 
     friction: float = Field(0.0, ge=0, description="a number from 0 [-]")
     penetration: float = Field(0.01, gt=0, lt=1, description="a number between 0 and 1, of the radius [-]")
+    impact_depth: float | None = Field(None, gt=0, description="a positive number, in radii [-]")
     damping: float = Field(0.05, ge=0, le=1, description="a number from 0 to 1 [-]")
     self_contact: bool | list[str] = Field(True, description="true, false or names of rods in brackets")
     stiffness: float | None = Field(None, gt=0, description="a positive number [N/m]")

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from cayley.model.model import Model
 
 Partner = Part | Obstacle
+DEEP = 10.0
+"""Depth of impacts over that wanted under loads, where none is given."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,6 +29,8 @@ class Contact:
     Attributes:
         friction: Coulomb coefficient [-] among rods, and of shapes that give none; where two differ the larger applies.
         penetration: depth wanted at most under the loads the library expects, in radii of the thinner partner [-].
+        impact_depth: depth at most where parts hit each other, in radii [-]: steps that the library chooses keep to it,
+            with others a run warns; None: ten times the penetration.
         damping: fraction of the critical damping of the motion normal to a contact [-]; 0: none, and then, without
             friction, energy is kept.
         self_contact: whether rods touch themselves; or a list of those that do.
@@ -47,6 +51,7 @@ class Contact:
 
     friction: float = 0.0
     penetration: float = 0.01
+    impact_depth: float | None = None
     damping: float = 0.05
     self_contact: bool | Sequence[Rod] = True
     stiffness: float | None = None
@@ -61,8 +66,9 @@ class Contact:
         depth = validate.positive("Contact", "penetration", self.penetration, "radii")
         if depth >= 1.0:
             raise ValueError(validate.wrong("Contact", "penetration", depth, "below 1 (radii of the thinner partner)"))
-        if self.stiffness is not None:
-            self._set("stiffness", validate.positive("Contact", "stiffness", self.stiffness, "N/m"))
+        for name, unit in (("stiffness", "N/m"), ("impact_depth", "radii")):
+            if getattr(self, name) is not None:
+                self._set(name, validate.positive("Contact", name, getattr(self, name), unit))
         if not isinstance(self.allow_overlap, bool):
             raise TypeError(validate.wrong("Contact", "allow_overlap", self.allow_overlap, "True or False"))
         self._set("penetration", depth)
@@ -79,6 +85,11 @@ class Contact:
         else:
             words.append(f"self-contact of {len(self.self_contact)} {'rod' if len(self.self_contact) == 1 else 'rods'}")
         return ", ".join(words + (["overlap at the start allowed"] if self.allow_overlap else []))
+
+    @property
+    def deepest(self) -> float:
+        """Depth at most where parts hit each other, in radii [-]."""
+        return DEEP * self.penetration if self.impact_depth is None else self.impact_depth
 
     def touches_itself(self, rod: Rod) -> bool:
         """Whether a rod may touch itself."""

@@ -9,9 +9,6 @@ from cayley.results.frames import Frames
 from cayley.steppers.contacts import TOLD
 from cayley.system.system import System
 
-DEEP = 10.0
-"""Depths over the wanted one from which a run warns."""
-
 
 class ContactDepthWarning(UserWarning):
     """Parts sank into each other much deeper than wanted."""
@@ -45,12 +42,12 @@ def warn_of_depth(run: Any) -> None:
         return
     if run.model.contact.stiffness is not None:
         return
-    deepest, wanted = float(run.frames.contact[:, 6].max()), run.model.contact.penetration
-    if deepest > DEEP * wanted:
+    deepest, wanted = float(run.frames.contact[:, 6].max()), run.model.contact.deepest
+    if deepest > wanted:
         warnings.warn(
-            f"parts sank {deepest:.2g} radii into each other, where Contact(penetration={wanted:g}) was wanted; give a "
-            "smaller dt, with which contacts are stiffer, or stiffness [N/m] in the Contact, or a larger penetration "
-            "if that is good enough",
+            f"parts sank {deepest:.2g} radii into each other, where its impact_depth is {wanted:g}; leave dt "
+            "out or give a smaller dt, with which contacts are stiffer, or stiffness [N/m] in the Contact, or a larger "
+            "impact_depth if that is good enough",
             ContactDepthWarning,
             stacklevel=5,
         )

@@ -10,7 +10,7 @@ from cayley.model import Box, Capsule, Contact, Cylinder, Mesh, Model, Obstacle,
 from cayley.model.contact import Partner
 
 _KINDS: dict[str, type[Obstacle]] = {kind.kind: kind for kind in (Plane, Sphere, Capsule, Cylinder, Box, Mesh)}
-_SINGLE = ("friction", "penetration", "damping", "stiffness", "allow_overlap")
+_SINGLE = ("friction", "penetration", "impact_depth", "damping", "stiffness", "allow_overlap")
 
 
 def contact_record(model: Model) -> dict[str, Any]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from cayley.discrete.rules import Rule
 from cayley.model import Model
-from cayley.results.contact import DEEP
 from cayley.simulation.failure import name_of
 from cayley.steppers.contacts import view
 from cayley.steppers.outcome import Outcome
@@ -22,8 +21,6 @@ START_TOLERANCE = 1e-8
 """Largest violation of a constraint at the start; the first step removes it."""
 OVERLAP = 0.02
 """Depth at the start, in radii, that is no overlap."""
-DEEPEST = 0.1
-"""Depth of impacts, in radii, with which steps chosen by the library are good enough."""
 
 
 def start_of_model(
@@ -150,8 +147,7 @@ def kept_shallow(system: System, values: np.ndarray) -> System:
         return system
     seen = view(system, values, 1.0)
     deep = 0.0 if touching.contact.allow_overlap else float((seen[:, 3] / seen[:, 4]).max(initial=0.0))
-    most = max(DEEPEST, DEEP * touching.contact.penetration, 2.0 * deep)
-    return replace(system, contact=replace(touching, deepest=most))
+    return replace(system, contact=replace(touching, deepest=max(touching.contact.deepest, 2.0 * deep)))
 
 
 def _fitting(system: System, state: State) -> State:

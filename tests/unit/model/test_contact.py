@@ -106,6 +106,7 @@ FLOOR = Plane(name="floor")
         (lambda r, s, b: Contact(friction=-1), ValueError, "Contact: friction = -1.0 must be a number from 0 [-]"),
         (lambda r, s, b: Contact(damping=2.0), ValueError, "Contact: damping = 2.0 must be a number from 0 to 1"),
         (lambda r, s, b: Contact(penetration=1.5), ValueError, "Contact: penetration = 1.5 must be below 1"),
+        (lambda r, s, b: Contact(impact_depth=0), ValueError, "Contact: impact_depth = 0 must be a positive, finite"),
         (lambda r, s, b: Contact(stiffness=0), ValueError, "Contact: stiffness = 0 must be a positive, finite number"),
         (lambda r, s, b: Contact(self_contact=r), TypeError, "must be True, False or a list of rods"),
         (lambda r, s, b: Contact(radii={b: 1.0}), TypeError, "must be a dictionary {rod: radius [m]}"),

@@ -14,6 +14,8 @@ from cayley_cosseratbench.start import node_frames
 
 PENETRATION = 0.001
 """Depth of contacts that is wanted, in radii: rods overlap less than those of the peers."""
+IMPACT = 1.0
+"""Depth of impacts, in radii, that is good enough: twist goes on when the rod has snapped, all that it asks."""
 MEETS = 1e-9
 """Distance and angle up to which the straight rod stands where the scenario has a driven end [m, rad]."""
 
@@ -145,7 +147,8 @@ def _contact(scenario: suite.Scenario) -> Any:
     frictions = {rod.friction for rod in scenario.rods}
     if len(frictions) > 1:
         raise NotImplementedError("rods of different friction")
-    return cy.Contact(friction=frictions.pop(), self_contact=scenario.self_contact, penetration=PENETRATION)
+    depths = {"penetration": PENETRATION, "impact_depth": IMPACT}
+    return cy.Contact(friction=frictions.pop(), self_contact=scenario.self_contact, **depths)
 
 
 def _obstacle(given: suite.Obstacle) -> Any:
