@@ -50,8 +50,11 @@ def suite_python() -> Path:
 
 def run(python: Path, experiments: list[str], solvers: list[str], out: Path, options: list[str]) -> None:
     """Let the suite run; what it has saved and still stands for the code is not run again, unless forced."""
-    command = [str(python.parent / "cosseratbench"), "run", *experiments, "--out", str(out)]
-    done = subprocess.run([*command, *_repeated("--solver", solvers), *options], check=False)
+    out.mkdir(parents=True, exist_ok=True)
+    command = [str(python.parent / "cosseratbench"), "run", *experiments, "--out", str(out.resolve())]
+    done = subprocess.run(
+        [*command, *_repeated("--solver", solvers), *options], cwd=out, check=False
+    )  # logs stay there
     if done.returncode:
         print("the suite reports runs that crashed; they have no row in the tables")
 

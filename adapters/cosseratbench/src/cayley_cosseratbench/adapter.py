@@ -117,11 +117,13 @@ class CayleySolver:
         return Trajectory(times, tuple(x for x, _ in poses), tuple(element_directors(*pair) for pair in poses))
 
     def _plan(self, scenario: suite.Scenario, n_elements: int) -> Plan:
+        even = n_elements % 2 == 0
         if scenario.quasi_static and not driven(scenario) and not touches(scenario):
-            return Plan(STATICS, cy.rules.midpoint, n_elements)
+            # an element of degree 2 has a node in its middle: a rod has one there in any case
+            middle = cy.rules.midpoint if even else cy.rules.galerkin(time=1, space=2)
+            return Plan(STATICS, middle, n_elements)
         if not scenario.quasi_static and not touches(scenario):
-            rule = cy.rules.galerkin(time=2, space=2)  # an element has a node in its middle
-            return Plan(MOTION, rule, n_elements // 2 if n_elements % 2 == 0 else n_elements)
+            return Plan(MOTION, cy.rules.galerkin(time=2, space=2), n_elements // 2 if even else n_elements)
         rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
         near = HUG if scenario.obstacles else CHORD
         cut = max(pieces(spec, n_elements, near) for spec in scenario.rods) if touches(scenario) else 1
