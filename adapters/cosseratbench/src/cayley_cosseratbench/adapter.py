@@ -17,7 +17,7 @@ from cayley.model.settling import settling, slowest_frequency
 from cayley.simulation import advise
 from cayley.simulation.run import SAFETY
 from cayley.simulation.start import start_of_model
-from cayley_cosseratbench.start import CHORD, HUG, element_directors, pieces
+from cayley_cosseratbench.start import element_directors, pieces
 from cayley_cosseratbench.translate import Translation, driven, touches, translate
 
 ACCURACY = 1e-5
@@ -125,8 +125,8 @@ class CayleySolver:
         if not scenario.quasi_static and not touches(scenario):
             return Plan(MOTION, cy.rules.galerkin(time=2, space=2), n_elements // 2 if even else n_elements)
         rule = cy.rules.screw if self.scale <= 1.0 or touches(scenario) else cy.rules.screw_midpoint
-        near = HUG if scenario.obstacles else CHORD
-        cut = max(pieces(spec, n_elements, near) for spec in scenario.rods) if touches(scenario) else 1
+        obstacles = bool(scenario.obstacles)
+        cut = max(pieces(spec, n_elements, obstacles=obstacles) for spec in scenario.rods) if touches(scenario) else 1
         return Plan(DAMPED if scenario.quasi_static else TOUCHING, rule, cut * n_elements)
 
     def _step(self, scenario: suite.Scenario, plan: Plan, case: Translation, frame: float) -> float:

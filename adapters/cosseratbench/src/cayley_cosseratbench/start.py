@@ -10,9 +10,9 @@ from cayley.lie import quaternion
 SMOOTH = 0.2
 """Angle between two segments of a centerline up to which it samples a smooth curve; else it has a corner [rad]."""
 
-CHORD, HUG, MOST = 0.02, 0.2, 9
-"""Largest distance of a chord from the curve it is of, in radii, at the start, where rods touch rods, and where they
-touch obstacles, on which nodes rest; and most pieces of an element."""
+CUT, CHORD, HUG, MOST = 0.02, 0.03, 0.2, 9
+"""Distance of a chord from the curve it is of, in radii, at the start, from which on an element is cut where rods touch
+rods, that of its pieces at most, that where rods touch obstacles, on which nodes rest; and most pieces of an element."""
 
 
 def node_frames(spec: suite.Rod, elements: int, degree: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -66,7 +66,7 @@ def _end_tangent(line: np.ndarray) -> np.ndarray:
     return slopes[0] - (slopes[1] - slopes[0]) * sizes[0] / (sizes[0] + sizes[1])
 
 
-def pieces(spec: suite.Rod, count: int, most: float) -> int:
+def pieces(spec: suite.Rod, count: int, *, obstacles: bool) -> int:
     """Into how many elements one of the suite is cut, an odd number, so that chords are near the curve they are of.
 
     The middle of an element stays the middle of one; of p pieces the chord is off by 1/p² of what it was.
@@ -74,11 +74,13 @@ def pieces(spec: suite.Rod, count: int, most: float) -> int:
     Args:
         spec: the rod.
         count: number of the suite's elements.
-        most: distance of a chord from its curve that is near, in radii.
+        obstacles: whether there are any.
     """
     nodes, middles = spec.nodes(count), spec.nodes(2 * count)[1::2]
-    off = float(np.linalg.norm(middles - 0.5 * (nodes[1:] + nodes[:-1]), axis=1).max())
-    return next(p for p in range(1, MOST + 2, 2) if off <= most * spec.radius * p**2 or p >= MOST)
+    off = float(np.linalg.norm(middles - 0.5 * (nodes[1:] + nodes[:-1]), axis=1).max()) / spec.radius
+    if off <= (HUG if obstacles else CUT):
+        return 1
+    return next(p for p in range(3, MOST + 2, 2) if off <= (HUG if obstacles else CHORD) * p**2 or p >= MOST)
 
 
 def element_directors(positions: np.ndarray, rotations: np.ndarray) -> np.ndarray:
