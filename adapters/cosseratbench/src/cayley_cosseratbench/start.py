@@ -12,7 +12,7 @@ SMOOTH = 0.2
 
 CUT, CHORD, HUG, MOST = 0.02, 0.03, 0.2, 9
 """Distance of a chord from the curve it is of, in radii, at the start, from which on an element is cut where rods touch
-rods, that of its pieces at most, that where rods touch obstacles, on which nodes rest; and most pieces of an element."""
+rods, that of its pieces at most, that where rods touch obstacles, on which nodes rest; and most pieces."""
 
 
 def node_frames(spec: suite.Rod, elements: int, degree: int = 1) -> tuple[np.ndarray, np.ndarray]:

@@ -123,16 +123,17 @@ i64 swept(struct contacts *c, struct scene *x, double unit)
     return hit;
 }
 
-/* Turns from the places before to those now. */
-void take_turns(const struct contacts *c, struct scene *x)
+/* Turn of a node from the places before to those now: several contacts ask for it. */
+static const struct turn *turn_of(const struct contacts *c, const struct scene *x, i64 node)
 {
-    for (i64 node = 0; node < c->nodes; node++) {
-        const double *p = x->values + node * c->rows + c->turn_row, *q = x->old_values + node * c->rows + c->turn_row;
-        double w = DOT(p + 1, q + 1) + p[0] * q[0], f = w == 0.0 ? 0.0 : 2.0 / w, *turn = x->turn[node].vector;
-        CROSS(q + 1, p + 1, turn);
-        for (i64 k = 0; k < 3; k++) turn[k] = f * (p[1 + k] * q[0] - p[0] * q[1 + k] + turn[k]);
-        x->turn[node].share = 1.0 / (1.0 + 0.25 * DOT(turn, turn));
-    }
+    struct turn *t = x->turn + node;
+    if (t->places == x->places) return t;
+    const double *p = x->values + node * c->rows + c->turn_row, *q = x->old_values + node * c->rows + c->turn_row;
+    double w = DOT(p + 1, q + 1) + p[0] * q[0], f = w == 0.0 ? 0.0 : 2.0 / w, *turn = t->vector;
+    CROSS(q + 1, p + 1, turn);
+    for (i64 k = 0; k < 3; k++) turn[k] = f * (p[1 + k] * q[0] - p[0] * q[1 + k] + turn[k]);
+    t->share = 1.0 / (1.0 + 0.25 * DOT(turn, turn)), t->places = x->places;
+    return t;
 }
 
 /* The way of the material point of a node that is at a lever from it now: with l half way, turn x l is added. */
@@ -140,9 +141,10 @@ void way_of(const struct contacts *c, const struct scene *x, i64 node, const dou
             double *turned)
 {
     const double *p = x->values + node * c->rows + c->place_row, *q = x->old_values + node * c->rows + c->place_row;
-    const double *turn = x->turn[node].vector, share = x->turn[node].share;
     double over[3], twice[3];
     if (node == c->nodes) return;
+    const struct turn *t = turn_of(c, x, node);
+    const double *turn = t->vector, share = t->share;
     CROSS(turn, lever, over);
     CROSS(turn, over, twice);
     for (i64 k = 0; k < 3; k++) {
@@ -305,6 +307,7 @@ static void restrain(const struct contacts *c, struct scene *x, struct touch *t,
 /* Points and solids where the values are. */
 void take_places(const struct contacts *c, struct scene *x)
 {
+    x->places++;
     place_points(c, x->values, x->point);
     place_solids(c, x->values, x->pose);
 }
@@ -328,7 +331,6 @@ i64 touch_all(struct contacts *c, i64 state, const double *values, double h)
     struct seen seen;
     take(c, x, values);
     renew(c, x);
-    take_turns(c, x);
     c->told[0] = c->told[2] = c->told[3] = 0.0;
     if (2.0 * x->stride > SWEEP * x->unit && isfinite(x->stride) && swept(c, x, x->unit)) return FAST;
     for (i64 n = 0; n < x->count; n++) {

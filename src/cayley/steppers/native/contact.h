@@ -62,16 +62,18 @@ struct grid {
     i64 buckets, bucket_room; /* a power of two */
 };
 
-/* Rotation of a node, as a Cayley vector 2 tan(angle/2) axis. */
+/* Rotation of a node since the evaluation before, as a Cayley vector 2 tan(angle/2) axis. */
 struct turn {
     double vector[3], share; /* 1/(1 + vector^2/4) */
+    i64 places;              /* the places that it is of */
 };
 
 struct scene {
     double *point, *old_point, *listed_point; /* [points][3], now, at the evaluation before, at the search */
     double *values, *old_values, *listed_values; /* of nodes, [nodes + 1][rows] */
     double *pose;     /* origin and rotation matrix, [solids][12] */
-    struct turn *turn; /* of nodes since the evaluation before, [nodes + 1] */
+    struct turn *turn; /* of nodes, as far as they were asked for, [nodes + 1] */
+    i64 places;       /* counts how often places were taken */
     double *push;     /* forces and moments on nodes, in space, [nodes + 1][6] */
     struct touch *touch, *before; /* those listed, and at the search before */
     i64 count, room, before_room;
@@ -144,7 +146,6 @@ struct foot {
 double longest(const struct contacts *c, const double *p, const double *q, const double *values, const double *others);
 void take(struct contacts *c, struct scene *x, const double *values);
 void take_places(const struct contacts *c, struct scene *x);
-void take_turns(const struct contacts *c, struct scene *x);
 void keep_places(const struct contacts *c, struct scene *x);
 void press_nodes(struct contacts *c, struct scene *x);
 void count_crowd(const struct contacts *c, struct scene *x);

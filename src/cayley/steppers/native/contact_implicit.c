@@ -164,7 +164,7 @@ void add_contacts(struct problem *p, double h, i64 tangent)
     for (i64 k = 0; k < p->stages; k++) {
         double weight = h * p->weights[k], part = p->still ? 1.0 : p->at[k];
         at_stage(p, k, x->values);
-        take_places(c, x), take_turns(c, x);
+        take_places(c, x);
         for (i64 n = 0; n < x->count; n++) {
             struct touch *t = x->touch + n;
             struct foot foot[8], surface[8];
@@ -300,7 +300,6 @@ i64 accept_contacts(struct problem *p, double h)
     struct seen seen;
     if (passed(c, x)) return 1;
     p->energy[2] += x->loss;
-    take_turns(c, x);
     c->told[0] = c->told[2] = c->told[3] = 0.0;
     for (i64 n = 0; n < x->count; n++) {
         struct touch *t = x->touch + n;
