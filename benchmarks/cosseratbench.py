@@ -11,6 +11,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import suite
 from harness import HERE, ROOT, skip, write
 from peer import environment, versions
 
@@ -43,9 +44,9 @@ FOLDER = "fine"
 
 def suite_python() -> Path:
     """Interpreter that has the suite, its solvers, cayley and the adapter."""
-    suite = ["-r", str(HERE / "peers" / "suite.txt")]
+    wanted = ["-r", str(HERE / "peers" / "suite.txt")]
     ours = [["-e", str(ROOT)], ["-e", str(ADAPTER)]]
-    return environment("COSSERATBENCH_PYTHON", VENV, suite, *ours, what="cosseratbench")
+    return environment("COSSERATBENCH_PYTHON", VENV, wanted, *ours, what="cosseratbench")
 
 
 def run(python: Path, experiments: list[str], solvers: list[str], out: Path, options: list[str]) -> None:
@@ -83,7 +84,7 @@ def collect(out: Path, experiments: list[str], solvers: list[str]) -> list[dict[
             for solver in solvers:
                 found += row(folder / solver / "result.json", experiment, folder.name, solver)
             fine = out / FOLDER / experiment / folder.name / "cayley" / "result.json"
-            found += row(fine, experiment, folder.name, "cayley, fine mesh")
+            found += row(fine, experiment, folder.name, suite.FINE)
     return found
 
 

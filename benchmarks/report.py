@@ -305,7 +305,7 @@ def cosseratbench(record: Record) -> str:
     programs = ", ".join(f"{name} {number}" for name, number in record["programs"].items())
     found = [f"All figures are the suite's own: its result files, default settings; {programs}."]
     told, nearer = suite.compared(record["rows"])
-    head = ("where a peer is nearer", "figure", "cayley", "best peer", "cayley, fine mesh", "which peer")
+    head = ("where a peer is nearer", "figure", "cayley", "best peer", suite.FINE, "which peer")
     found.append(f"{told} Where it is not, a fine mesh tells what the model itself has.\n\n{table(head, nearer)}")
     for name in dict.fromkeys(row["experiment"] for row in record["rows"]):
         rows = [row for row in record["rows"] if row["experiment"] == name]

@@ -45,8 +45,8 @@ def warn_of_depth(run: Any) -> None:
     deepest, wanted = float(run.frames.contact[:, 6].max()), run.model.contact.deepest
     if deepest > wanted:
         warnings.warn(
-            f"parts sank {deepest:.2g} radii into each other, where its impact_depth is {wanted:g}; leave dt "
-            "out or give a smaller dt, with which contacts are stiffer, or stiffness [N/m] in the Contact, or a larger "
+            f"parts sank {deepest:.2g} radii into each other, over the impact_depth of {wanted:g}; leave dt out or "
+            "give a smaller dt, with which contacts are stiffer, or give the Contact a stiffness [N/m], or a larger "
             "impact_depth if that is good enough",
             ContactDepthWarning,
             stacklevel=5,

@@ -54,7 +54,7 @@ def explain(system: System, result: Result, trajectory: Trajectory) -> str:
             "lie on them, or leave pairs out (Contact(without=...)). "
             f"The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the exception's .partial"
         )
-    if result.outcome in (Outcome.FAST, Outcome.DEEP):
+    if result.outcome.hasty:
         return (
             f"stopped at t = {time:.6g} s (step {result.step}), at {result.partners}: {result.outcome.value}; give dt "
             f"below {0.5 * h:.3g} s. The last good frame, t = {trajectory.time[-1]:.6g} s, and those before are in the "

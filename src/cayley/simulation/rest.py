@@ -153,14 +153,15 @@ def _by_run(
 ) -> Settled:
     damped, unit = settling(model, rate), 1.0 / slowest_frequency(model)
     system, state = start_of_model(damped, "quaternion", initial, start=start)(rule)
+    shallow = kept_shallow(system, state.values)
     parts = dict(zip(model.names, spans(model, rule.degree), strict=True))
     end, residual = state.time + LONGEST * unit, np.inf
     step: float | None = None
     saves, tries = Saves(every=STRETCH * unit / FRAMES), 0
     while residual > tolerance:
         try:
-            shallow = kept_shallow(system, state.values) if tries < SHALLOW else system
-            piece = run(shallow, state, state.time + STRETCH * unit, step, saves, model=damped, parts=parts)
+            tried = shallow if tries < SHALLOW else system
+            piece = run(tried, state, state.time + STRETCH * unit, step, saves, model=damped, parts=parts)
         except SimulationError as error:
             if not error.too_fast or tries == SLOWER:
                 raise

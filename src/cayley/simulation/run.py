@@ -109,8 +109,7 @@ def run(
     if result is None:
         raise Interrupted(trajectory)
     if result.outcome is not Outcome.FINISHED:
-        too_fast = result.outcome in (Outcome.FAST, Outcome.DEEP)
-        raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=too_fast)
+        raise SimulationError(explain(system, result, trajectory), trajectory, too_fast=result.outcome.hasty)
     warn_of_depth(trajectory)
     return trajectory
 

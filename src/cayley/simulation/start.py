@@ -67,13 +67,10 @@ def refuse_overlap(system: System, values: np.ndarray) -> None:
     touching = system.contact
     if touching is None or touching.contact.allow_overlap:
         return
-    seen = view(system, values, 1.0)
-    if not len(seen):
+    seen, deep = _depths(system, values)
+    if deep.max(initial=0.0) <= OVERLAP:
         return
-    deep = seen[:, 3] / seen[:, 4]
     worst = seen[int(np.argmax(deep))]
-    if deep.max() <= OVERLAP:
-        return
     raise ValueError(
         f"at the start {touching.described(int(worst[0]), int(worst[1]))} overlap by {worst[3]:.3g} m "
         f"({deep.max():.3g} radii), {np.count_nonzero(deep > OVERLAP)} pairs in all; move them apart, or give "
@@ -145,9 +142,16 @@ def kept_shallow(system: System, values: np.ndarray) -> System:
     touching = system.contact
     if touching is None or touching.contact.stiffness is not None:
         return system
+    deepest = touching.contact.deepest
+    if not touching.contact.allow_overlap:
+        deepest = max(deepest, 2.0 * float(_depths(system, values)[1].max(initial=0.0)))
+    return replace(system, contact=replace(touching, deepest=deepest))
+
+
+def _depths(system: System, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All contacts, as ``view`` has them, and their depths in radii."""
     seen = view(system, values, 1.0)
-    deep = 0.0 if touching.contact.allow_overlap else float((seen[:, 3] / seen[:, 4]).max(initial=0.0))
-    return replace(system, contact=replace(touching, deepest=max(touching.contact.deepest, 2.0 * deep)))
+    return seen, seen[:, 3] / seen[:, 4]
 
 
 def _fitting(system: System, state: State) -> State:

@@ -72,7 +72,7 @@ class Contacts:
         """
         touching, partners = self.system.contact, ""
         assert touching is not None
-        if outcome in (Outcome.FAST, Outcome.DEEP):
+        if outcome.hasty:
             partners = touching.described(*map(int, self.arrays["blame"]))
         elif outcome is Outcome.FINISHED:
             own = self.remember()

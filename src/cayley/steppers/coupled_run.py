@@ -274,7 +274,7 @@ def _advance(
     counts, outcome = made.arrays["counts"], list(Outcome)[code]
     if outcome is Outcome.REDUNDANT:
         counts[3] = plan.nodes[np.flatnonzero(plan.block_of == counts[3])[0]]
-    elif outcome in (Outcome.NOT_CONVERGED, Outcome.FAST, Outcome.DEEP):
+    elif outcome is Outcome.NOT_CONVERGED or outcome.hasty:
         counts[3] = -1
     memory = np.concatenate([np.zeros(0), *(c["start"].reshape(-1) for c in made.couplings)])
     partners = ""

@@ -157,7 +157,7 @@ def advance(plan: Plan, state: State, stride: int, frames: np.ndarray) -> Advanc
     outcome, counts = list(Outcome)[code], made.arrays["counts"]
     if outcome is Outcome.REDUNDANT:
         counts[3] = np.flatnonzero(plan.block_of == counts[3])[0]
-    elif outcome is Outcome.FAST:
+    elif outcome.hasty:
         counts[3] = -1
     memory = np.concatenate([part.reshape(-1) for part in _remembered(made)])
     partners = ""

@@ -26,6 +26,11 @@ class Outcome(enum.Enum):
     DEEP = "what touches there sinks in deeper than is wanted, for contacts are as stiff as the step lets them be"
     CROWDED = "there are more contacts at once than a run remembers"
 
+    @property
+    def hasty(self) -> bool:
+        """Whether what touches wants a smaller step."""
+        return self in (Outcome.FAST, Outcome.DEEP)
+
 
 @dataclass(frozen=True, slots=True)
 class Result:

@@ -78,9 +78,10 @@ def pieces(spec: suite.Rod, count: int, *, obstacles: bool) -> int:
     """
     nodes, middles = spec.nodes(count), spec.nodes(2 * count)[1::2]
     off = float(np.linalg.norm(middles - 0.5 * (nodes[1:] + nodes[:-1]), axis=1).max()) / spec.radius
-    if off <= (HUG if obstacles else CUT):
+    whole, near = (HUG, HUG) if obstacles else (CUT, CHORD)
+    if off <= whole:
         return 1
-    return next(p for p in range(3, MOST + 2, 2) if off <= (HUG if obstacles else CHORD) * p**2 or p >= MOST)
+    return next(p for p in range(3, MOST + 2, 2) if off <= near * p**2 or p >= MOST)
 
 
 def element_directors(positions: np.ndarray, rotations: np.ndarray) -> np.ndarray:

@@ -165,10 +165,9 @@ static i64 meet(const struct contacts *c, const struct scene *x, const struct to
     for (i64 k = 0; k < 3; k++) seen->gap[k] = p[1][k] + s * u[k] - q[1][k] - r * v[k];
     double sum = c->radius[t->a] + c->radius[t->b], square = DOT(seen->gap, seen->gap), distance = sqrt(square);
     double round = distance > 0.0 ? hollow(p, seen->gap, -1.0 / distance) + hollow(q, seen->gap, 1.0 / distance) : sagging(p) + sagging(q);
-    seen->depth = sum - distance, seen->apart = 0.0;
     if (distance >= sum + round) {
         double most = sagging(p) + sagging(q); /* however it turns */
-        seen->apart = distance > sum + most ? distance - sum - most : 0.0;
+        seen->apart = distance > sum + most ? distance - sum - most : 0.0, seen->depth = sum - distance;
         if (!any) return 0;
     }
     double on_a = s, on_b = r, curved = round > 0.0 ? nearest(p, q, &on_a, &on_b, gap) : INFINITY;
@@ -177,10 +176,8 @@ static i64 meet(const struct contacts *c, const struct scene *x, const struct to
         square = curved, s = on_a, r = on_b;
         memcpy(seen->gap, gap, sizeof gap);
     }
-    if (!any && sum - sqrt(square) <= 0.0) {
-        seen->depth = sum - sqrt(square);
-        return 0;
-    }
+    seen->depth = sum - sqrt(square);
+    if (!any && seen->depth <= 0.0) return 0;
     (rounds ? stand_curved : stand)(c, t->a, s, &seen->count_a, seen->point_a, seen->weight_a);
     (rounds ? stand_curved : stand)(c, t->b, r, &seen->count_b, seen->point_b, seen->weight_b);
     seen->on_a = s, seen->on_b = r, seen->inside = s > 0.0 && s < 1.0 && r > 0.0 && r < 1.0;

@@ -261,22 +261,22 @@ static i64 solve_held(struct problem *p, i64 number, double begin, i64 *passes, 
     return solved;
 }
 
-/* Solve the equations of a step: quickly, then with care, then from the safest start, too; with contacts, the places of these
- * are held before that. */
+/* Ways to solve the equations of a step, in the order in which they are tried; the second one is for contacts. */
+enum way { QUICK, HOLDING, CAREFUL, SAFEST, FOLLOWING, WAYS };
+
 static i64 solve_step(struct problem *p, i64 number, double begin)
 {
     i64 passes = 0, worst = 0, solved = 0;
-    for (i64 attempt = 0; attempt < 5 && solved != 1; attempt++) {
-        if (attempt == 1 && !p->contacts) continue;
-        if (attempt == 4 && solved == SINGULAR) break;
-        if (attempt == 1) solved = solve_held(p, number, begin, &passes, &worst);
-        else if (attempt == 4) solved = follow(p, number, begin, p->h, &passes, &worst);
+    for (enum way way = QUICK; way < WAYS && solved != 1; way++) {
+        if ((way == HOLDING && !p->contacts) || (way == FOLLOWING && solved == SINGULAR)) continue;
+        if (way == HOLDING) solved = solve_held(p, number, begin, &passes, &worst);
+        else if (way == FOLLOWING) solved = follow(p, number, begin, p->h, &passes, &worst);
         else {
-            first_guess(p, p->warm || number > 0, attempt > 2, begin, p->h);
-            solved = newton(p, number, begin, p->h, attempt > 0, &passes, &worst);
+            first_guess(p, p->warm || number > 0, way == SAFEST, begin, p->h);
+            solved = newton(p, number, begin, p->h, way != QUICK, &passes, &worst);
         }
         p->counts[0] += passes;
-        if (attempt < 4 && passes > p->counts[1]) p->counts[1] = passes;
+        if (way != FOLLOWING && passes > p->counts[1]) p->counts[1] = passes;
     }
     p->counts[3] = worst;
     return solved == 1;
